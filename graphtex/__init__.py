@@ -1,0 +1,1 @@
+"""Example-based texture synthesis and editing as a node-graph dataflow framework."""
