@@ -1,0 +1,150 @@
+"""What a pack registers for a socket type: its view (a picture), its writers (files) and its openers (nodes)."""
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from graphtex.errors import DeclarationError, did_you_mean, listing
+from graphtex.node import Node, require_plain_function
+from graphtex.parameters import parameters_model, shorten
+from graphtex.sockets import Gap, SocketType, ValueType, find_type
+
+F = TypeVar("F", bound=Callable[..., Any])
+View = Callable[[Any], NDArray[np.uint8]]
+
+
+@dataclass(frozen=True)
+class Writer:
+    """Writes values of one type to files of some suffixes."""
+
+    type_name: str
+    suffixes: tuple[str, ...]
+    function: Callable[..., None]
+    options: type[BaseModel]
+
+
+@dataclass(frozen=True)
+class Opener:
+    """A node with one text parameter that makes a value from a path or a ``scheme:name``."""
+
+    type_name: str
+    node: Node[Any, Any]
+    parameter: str
+    suffixes: tuple[str, ...] = ()
+    scheme: str = ""
+
+
+VIEWS: dict[str, View] = {}
+WRITERS: dict[tuple[str, str], Writer] = {}
+DEFAULT_SUFFIX: dict[str, str] = {"Number": ".json"}
+OPENERS: list[Opener] = []
+
+
+def _type_of(hint: Any, what: str) -> SocketType:
+    kind = find_type(hint)
+    if kind is None:
+        raise DeclarationError(f"a {what} is for a socket type, got {hint}")
+    return kind
+
+
+def view(hint: Any) -> Callable[[F], F]:
+    """Decorate ``f(value) -> uint8 (h, w, 3 or 4)``: the picture of a socket type for reports."""
+    kind = _type_of(hint, "view")
+
+    def register(function: F) -> F:
+        require_plain_function(function, "view")
+        VIEWS[kind.name] = function
+        return function
+
+    return register
+
+
+def writer(hint: Any, *, suffixes: tuple[str, ...], default: str | None = None) -> Callable[[F], F]:
+    """Decorate ``f(value, path, *, option=...)``: writes the type to files with these suffixes.
+
+    Keyword-only arguments become keys of an output entry in a graph file. The caller passes a temporary path that
+    ends in the right suffix and renames it; ValueError says what the format cannot hold.
+    """
+    kind = _type_of(hint, "writer")
+
+    def register(function: F) -> F:
+        name = require_plain_function(function, "writer")
+        keywords = [p for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY]
+        options = parameters_model(name, keywords, get_type_hints(function, include_extras=True))
+        entry = Writer(kind.name, suffixes, function, options)
+        WRITERS.update({(kind.name, suffix): entry for suffix in suffixes})
+        if default is not None:
+            DEFAULT_SUFFIX[kind.name] = default
+        return function
+
+    return register
+
+
+def opener(
+    hint: Any, *, suffixes: tuple[str, ...] = (), scheme: str = ""
+) -> Callable[[Node[Any, Any]], Node[Any, Any]]:
+    """Decorate a node whose one required parameter is a path or a name: it opens such strings as the type."""
+    kind = _type_of(hint, "opener")
+
+    def register(made: Node[Any, Any]) -> Node[Any, Any]:
+        if not isinstance(made, Node):
+            raise DeclarationError("an opener is a node: put @opener above @node")
+        required = [key for key, info in made.parameters.model_fields.items() if info.is_required()]
+        first = next(iter(made.outputs.values()))
+        if len(required) != 1 or any(not socket.optional for socket in made.inputs.values()):
+            raise DeclarationError(f"{made.name}: an opener has one required parameter and no required socket")
+        if first.type != ValueType(kind):
+            raise DeclarationError(
+                f"{made.name}: its first output is {first.type}, an opener of {kind.name} gives {kind.name}"
+            )
+        OPENERS.append(Opener(kind.name, made, required[0], tuple(s.lower() for s in suffixes), scheme))
+        return made
+
+    return register
+
+
+def find_opener(kind: SocketType, text: str) -> tuple[Opener, str]:
+    """Return the opener for a string and the text for its parameter; ValueError with what would fit."""
+    mine = [entry for entry in OPENERS if entry.type_name == kind.name]
+    scheme, colon, rest = text.partition(":")
+    if colon and len(scheme) > 1 and "/" not in scheme:  # one letter is a drive
+        for entry in mine:
+            if entry.scheme == scheme:
+                return entry, rest
+        known = [f"{entry.scheme}:" for entry in mine if entry.scheme]
+        raise ValueError(
+            f"nothing opens {scheme!r}: as {kind.name}{did_you_mean(f'{scheme}:', known, label='schemes')}"
+        )
+    suffix = Path(text).suffix.lower()
+    for entry in mine:
+        if suffix in entry.suffixes:
+            return entry, text
+    suffixes = sorted({s for entry in mine for s in entry.suffixes})
+    found = f"a file ending in {suffix!r}" if suffix else f"{text!r}, which has no file ending,"
+    raise ValueError(f"nothing opens {found} as {kind.name}; known: {listing(suffixes, 20) or 'none'}")
+
+
+def find_writer(kind: SocketType, suffix: str) -> Writer:
+    """Return the writer of a type for a suffix; ValueError with the suffixes that would fit."""
+    found = WRITERS.get((kind.name, suffix.lower()))
+    if found is None:
+        known = sorted(end for name, end in WRITERS if name == kind.name)
+        raise ValueError(f"{kind.name} cannot be written as {suffix!r}{did_you_mean(suffix, known, label='formats')}")
+    return found
+
+
+def picture_of(kind: SocketType, value: Any) -> NDArray[np.uint8] | str:
+    """Return the view of a value, or a text where the type has none."""
+    if isinstance(value, Gap):
+        return f"{value.label} failed: {value.reason}"
+    if kind.name in VIEWS:
+        return VIEWS[kind.name](value)
+    if isinstance(value, np.ndarray):
+        return f"{kind.name} {value.dtype} {value.shape}"
+    return shorten(value, 400)
