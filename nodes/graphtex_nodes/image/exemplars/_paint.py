@@ -1,0 +1,151 @@
+"""What the procedural exemplars share: noise and elements that are fixed to the plane, light, colour."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...numerics.plane import Plane, Region
+
+Array = NDArray[Any]
+
+LIGHT = (-0.64, 0.77)  # where the light comes from in the picture (right, up): the upper left
+
+
+def light_on_plane(tilt: float) -> tuple[float, float]:
+    """Direction towards the light in plane coordinates (across, along), so that it stays at the picture's upper left."""
+    sin, cos = float(np.sin(np.radians(tilt))), float(np.cos(np.radians(tilt)))
+    return LIGHT[0] * cos - LIGHT[1] * sin, LIGHT[0] * sin + LIGHT[1] * cos
+
+
+def upright(region: Region, tilt: float) -> tuple[Array, Array]:
+    """Plane coordinates (right, up) turned so that a regular pattern keeps its direction in the picture for any tilt."""
+    sin, cos = np.sin(np.radians(tilt)), np.cos(np.radians(tilt))
+    u, v = region.u[None, :], region.v[:, None]
+    return u * cos + v * sin, v * cos - u * sin
+
+
+def linear(colour: Any) -> Array:
+    """Linear light of sRGB-like colours (a power of 2.2 is near enough for invented materials)."""
+    return np.clip(np.asarray(colour, np.float32), 0, None) ** np.float32(2.2)
+
+
+def encoded(light: Array) -> Array:
+    """Float32 picture in [0, 1] of linear light."""
+    return (np.clip(light, 0, 1) ** (1 / 2.2)).astype(np.float32)
+
+
+def scatter(i: Array, j: Array, key: int) -> Array:
+    """Uniform numbers in [0, 1), float32, that hang on the integers i, j (broadcast) and the key alone."""
+    state = i.astype(np.int64).view(np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+    state = state ^ (j.astype(np.int64).view(np.uint64) * np.uint64(0xC2B2AE3D27D4EB4F) + np.uint64(key))
+    for shift, factor in ((33, 0xFF51AFD7ED558CCD), (29, 0xC4CEB9FE1A85EC53)):
+        state = (state ^ (state >> np.uint64(shift))) * np.uint64(factor)
+    return ((state ^ (state >> np.uint64(32))) >> np.uint64(40)).astype(np.float32) / np.float32(1 << 24)
+
+
+def noise(region: Region, cell: float, key: int, *, stretch: float = 1.0) -> Array:
+    """Value noise in [-1, 1], float32 (rows, columns), with lattice cells of `cell` plane units (times `stretch` along).
+
+    Cells below a texel fade to 0, the mean, which is what a camera would see of them.
+    """
+    strength = float(np.clip(2 * cell * region.density - 1, 0, 1))
+    if strength == 0:
+        return np.zeros((region.rows, region.columns), np.float32)
+    axes = []
+    for position, step in ((region.v, cell * stretch), (region.u, cell)):
+        place = position / step
+        below = np.floor(place)
+        t = (place - below).astype(np.float32)
+        axes.append((below.astype(np.int64), t * t * (3 - 2 * t)))
+    (i, down), (j, right) = axes
+    knots = 2 * scatter(np.arange(i[0], i[-1] + 2)[:, None], np.arange(j[0], j[-1] + 2)[None, :], key) - 1
+    left, top = j - j[0], i - i[0]
+    wide = knots[:, left] * (1 - right) + knots[:, left + 1] * right
+    return (wide[top] * (1 - down)[:, None] + wide[top + 1] * down[:, None]) * np.float32(strength)
+
+
+def fractal(region: Region, cell: float, key: int, octaves: int = 3, *, stretch: float = 1.0) -> Array:
+    """Sum of octaves of `noise`, each half as large and half as strong; roughly in [-1, 1]."""
+    total = noise(region, cell, key, stretch=stretch)
+    for octave in range(1, octaves):
+        total = total + noise(region, cell / 2**octave, key + octave, stretch=stretch) * np.float32(0.5**octave)
+    return total * np.float32(0.7)
+
+
+def visible_corners(plane: Plane) -> Array:
+    """The picture's corners in plane coordinates, (4, 2) in order around."""
+    x = np.array([-0.5, plane.width - 0.5, plane.width - 0.5, -0.5])
+    y = np.array([-0.5, -0.5, plane.height - 0.5, plane.height - 0.5])
+    return np.stack(plane.to_plane(*plane.rotate(x, y)), axis=1)
+
+
+def scattered_points(plane: Plane, spacing: float, rng: np.random.Generator, *, margin: float, jitter: float) -> Array:
+    """Points (n, 2) of a jittered hexagonal lattice on the visible part of the plane and `margin` units around it."""
+    corners = visible_corners(plane)
+    low, high = corners.min(axis=0) - margin, corners.max(axis=0) + margin
+    step = np.array([spacing * np.sqrt(2 / np.sqrt(3)), spacing * np.sqrt(np.sqrt(3) / 2)])
+    columns, rows = (int(n) + 2 for n in (high - low) / step)
+    row, column = np.mgrid[:rows, :columns]
+    points = np.stack([(column + 0.5 * (row % 2)) * step[0] + low[0], row * step[1] + low[1]], axis=-1).reshape(-1, 2)
+    points = points + rng.uniform(-0.5, 0.5, points.shape) * step * jitter
+    return points[_inside(points, corners, margin)]
+
+
+def _inside(points: Array, corners: Array, margin: float) -> Array:
+    """Which points lie in a convex quadrilateral or less than `margin` outside each of its sides."""
+    middle = corners.mean(axis=0)
+    kept = np.ones(len(points), bool)
+    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        normal = np.array([end[1] - start[1], start[0] - end[0]]) / np.hypot(*(end - start))
+        if (middle - start) @ normal > 0:
+            normal = -normal
+        kept &= (points - start) @ normal <= margin
+    return kept
+
+
+def visible_centres(plane: Plane, points: Array) -> Array:
+    """Array coordinates (n, 2) of those plane points that fall inside the picture, top to bottom, left to right."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # points behind the camera project anywhere and are dropped
+        x, y = plane.to_picture(points[:, 0], points[:, 1])
+    kept = (x >= 0) & (y >= 0) & (x <= plane.width - 1) & (y <= plane.height - 1)
+    if plane.steepness:
+        kept &= 1 + plane.steepness * plane.centre_scale * plane.foreshortening * points[:, 1] > 0
+    centres = np.stack([x[kept], y[kept]], axis=1)
+    return centres[np.lexsort((centres[:, 0], centres[:, 1]))]
+
+
+def shading(height: Array, region: Region, tilt: float, *, elevation: float, reach: float, softness: float) -> Array:
+    """Share of the lamp's light that each texel of a height field gets: Lambert's cosine times cast shadow.
+
+    Height is in plane units; `elevation` is the lamp's in degrees; shadows are followed over `reach` units and fade
+    over `softness` units of height. 1 is a flat texel in full light.
+    """
+    light_u, light_v = light_on_plane(tilt)
+    sin, cos = np.float32(np.sin(np.radians(elevation))), np.float32(np.cos(np.radians(elevation)))
+    slope_v, slope_u = np.gradient(height * np.float32(region.density))
+    cosine = (sin - cos * (slope_u * np.float32(light_u) + slope_v * np.float32(light_v))) / np.sqrt(
+        1 + slope_u**2 + slope_v**2
+    )
+    blocked = np.full_like(height, -np.inf)
+    steps = max(2, min(10, int(reach * region.density)))
+    for distance in np.linspace(reach / steps, reach, steps):
+        shifted = _shifted(height, round(light_v * distance * region.density), round(light_u * distance * region.density))
+        np.maximum(blocked, shifted - np.float32(distance * sin / cos), out=blocked)
+    shadow = np.clip((blocked - height) / np.float32(softness), 0, 1)
+    return np.clip(cosine / sin, 0, None) * (1 - shadow)
+
+
+def _shifted(values: Array, down: int, right: int) -> Array:
+    """values[i + down, j + right], the border repeated."""
+    rows = np.clip(np.arange(values.shape[0]) + down, 0, values.shape[0] - 1)
+    columns = np.clip(np.arange(values.shape[1]) + right, 0, values.shape[1] - 1)
+    return values[rows][:, columns]
+
+
+def openness(height: Array, region: Region, radius: float, strength: float) -> Array:
+    """Share of the sky's light that reaches each texel: falls where a texel lies deeper than its surroundings."""
+    from scipy.ndimage import gaussian_filter
+
+    depth = gaussian_filter(height, radius * region.density, mode="nearest", truncate=2.0) - height
+    return np.clip(1 - np.float32(strength / radius) * depth, 0.15, 1.15)
