@@ -71,7 +71,7 @@ class Plane:
         return right + (self.width - 1) / 2, (self.height - 1) / 2 - up
 
     def stretch(self, scale: Array) -> tuple[Array, Array]:
-        """Plane units across and along that one pixel covers where the texel scale is `scale`: 1/S and S0 / (S² cos)."""
+        """Plane units across and along that a pixel covers where the texel scale is `scale`: 1/S and S0 / (S² cos)."""
         return 1 / scale, self.centre_scale / (scale**2 * self.foreshortening)
 
 
@@ -99,8 +99,8 @@ def seen_plane(width: int, height: int, slant: float, tilt: float, field_of_view
         loss = np.tan(np.radians(slant)) * reach / focal_length
         if loss >= 1:
             raise ValueError(
-                f"field_of_view: the horizon is in the picture: tan(slant) tan(field_of_view / 2) must stay below 1 out to "
-                f"the picture's far corner, got {loss:.3g} for slant {slant:g}, tilt {tilt:g} and field_of_view "
+                f"field_of_view: the horizon is in the picture: tan(slant) tan(field_of_view / 2) must stay below 1 "
+                f"out to the picture's far corner, got {loss:.3g} for slant {slant:g}, tilt {tilt:g} and field_of_view "
                 f"{field_of_view:g}"
             )
     return Plane(width, height, tilt, foreshortening, float(1 / np.sqrt(1 - loss**2)), float(loss / reach))
@@ -108,7 +108,7 @@ def seen_plane(width: int, height: int, slant: float, tilt: float, field_of_view
 
 @dataclass(frozen=True)
 class Region:
-    """A rectangle of the plane on a grid of texels: texel (row, column) is at v0 + row / density, u0 + column / density."""
+    """A rectangle of the plane on a grid: texel (row, column) is at u0 + column / density, v0 + row / density."""
 
     u0: float
     v0: float
@@ -131,8 +131,8 @@ def photograph(plane: Plane, paint: Callable[[Region], Array], *, oversampling: 
     """Picture (height, width, channels) of what `paint` draws on the plane.
 
     The plane is painted in strips whose scale falls by half, each on a grid as fine as its nearest row needs
-    (`oversampling` texels for a pixel), and averaged over each pixel's footprint by summed-area tables: the footprint of
-    a pixel is a box in plane coordinates but for a shear, which two by two boxes for each pixel follow.
+    (`oversampling` texels for a pixel), and averaged over each pixel's footprint by summed-area tables: a footprint is
+    a box in plane coordinates but for a shear, which two by two boxes for each pixel follow.
 
     `paint` must draw the same plane whatever the region and its density are.
     """
@@ -186,10 +186,9 @@ def _box_means(summed: Array, top: Array, bottom: Array, left: Array, right: Arr
     rows, columns = summed.shape[0] - 1, summed.shape[1] - 1
     top, bottom = np.clip(top, 0, rows), np.clip(bottom, 0, rows)
     left, right = np.clip(left, 0, columns), np.clip(right, 0, columns)
-    total = (
-        _at(summed, bottom, right) - _at(summed, top, right) - _at(summed, bottom, left) + _at(summed, top, left)
-    )
-    return total / ((bottom - top) * (right - left))[:, None]
+    total = _at(summed, bottom, right) - _at(summed, top, right) - _at(summed, bottom, left) + _at(summed, top, left)
+    means: Array = total / ((bottom - top) * (right - left))[:, None]
+    return means
 
 
 def _at(table: Array, row: Array, column: Array) -> Array:
@@ -201,4 +200,5 @@ def _at(table: Array, row: Array, column: Array) -> Array:
     first = i * table.shape[1] + j
     upper = flat[first] * (1 - right) + flat[first + 1] * right
     lower = flat[first + table.shape[1]] * (1 - right) + flat[first + table.shape[1] + 1] * right
-    return upper * (1 - down) + lower * down
+    values: Array = upper * (1 - down) + lower * down
+    return values

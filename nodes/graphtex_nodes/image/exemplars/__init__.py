@@ -1,0 +1,1 @@
+"""Exemplars that nodes generate: materials drawn on a plane, with their true scale, and the named samples."""

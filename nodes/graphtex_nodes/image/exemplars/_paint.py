@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...numerics.plane import Plane, Region
+from graphtex_nodes.numerics.plane import Plane, Region
 
 Array = NDArray[Any]
 
@@ -13,13 +13,13 @@ LIGHT = (-0.64, 0.77)  # where the light comes from in the picture (right, up): 
 
 
 def light_on_plane(tilt: float) -> tuple[float, float]:
-    """Direction towards the light in plane coordinates (across, along), so that it stays at the picture's upper left."""
+    """Direction towards the light in plane coordinates (across, along), such that it stays at the upper left."""
     sin, cos = float(np.sin(np.radians(tilt))), float(np.cos(np.radians(tilt)))
     return LIGHT[0] * cos - LIGHT[1] * sin, LIGHT[0] * sin + LIGHT[1] * cos
 
 
 def upright(region: Region, tilt: float) -> tuple[Array, Array]:
-    """Plane coordinates (right, up) turned so that a regular pattern keeps its direction in the picture for any tilt."""
+    """Plane coordinates (right, up) turned so that a pattern keeps its direction in the picture for any tilt."""
     sin, cos = np.sin(np.radians(tilt)), np.cos(np.radians(tilt))
     u, v = region.u[None, :], region.v[:, None]
     return u * cos + v * sin, v * cos - u * sin
@@ -45,7 +45,7 @@ def scatter(i: Array, j: Array, key: int) -> Array:
 
 
 def noise(region: Region, cell: float, key: int, *, stretch: float = 1.0) -> Array:
-    """Value noise in [-1, 1], float32 (rows, columns), with lattice cells of `cell` plane units (times `stretch` along).
+    """Value noise in [-1, 1], float32 (rows, columns), on lattice cells of `cell` plane units (times `stretch` along).
 
     Cells below a texel fade to 0, the mean, which is what a camera would see of them.
     """
@@ -62,7 +62,8 @@ def noise(region: Region, cell: float, key: int, *, stretch: float = 1.0) -> Arr
     knots = 2 * scatter(np.arange(i[0], i[-1] + 2)[:, None], np.arange(j[0], j[-1] + 2)[None, :], key) - 1
     left, top = j - j[0], i - i[0]
     wide = knots[:, left] * (1 - right) + knots[:, left + 1] * right
-    return (wide[top] * (1 - down)[:, None] + wide[top + 1] * down[:, None]) * np.float32(strength)
+    values: Array = wide[top] * (1 - down)[:, None] + wide[top + 1] * down[:, None]
+    return values * np.float32(strength)
 
 
 def fractal(region: Region, cell: float, key: int, octaves: int = 3, *, stretch: float = 1.0) -> Array:
@@ -89,13 +90,14 @@ def scattered_points(plane: Plane, spacing: float, rng: np.random.Generator, *, 
     row, column = np.mgrid[:rows, :columns]
     points = np.stack([(column + 0.5 * (row % 2)) * step[0] + low[0], row * step[1] + low[1]], axis=-1).reshape(-1, 2)
     points = points + rng.uniform(-0.5, 0.5, points.shape) * step * jitter
-    return points[_inside(points, corners, margin)]
+    kept: Array = points[_inside(points, corners, margin)]
+    return kept
 
 
 def _inside(points: Array, corners: Array, margin: float) -> Array:
     """Which points lie in a convex quadrilateral or less than `margin` outside each of its sides."""
     middle = corners.mean(axis=0)
-    kept = np.ones(len(points), bool)
+    kept: Array = np.ones(len(points), bool)
     for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         normal = np.array([end[1] - start[1], start[0] - end[0]]) / np.hypot(*(end - start))
         if (middle - start) @ normal > 0:
@@ -111,7 +113,7 @@ def visible_centres(plane: Plane, points: Array) -> Array:
     kept = (x >= 0) & (y >= 0) & (x <= plane.width - 1) & (y <= plane.height - 1)
     if plane.steepness:
         kept &= 1 + plane.steepness * plane.centre_scale * plane.foreshortening * points[:, 1] > 0
-    centres = np.stack([x[kept], y[kept]], axis=1)
+    centres: Array = np.stack([x[kept], y[kept]], axis=1)
     return centres[np.lexsort((centres[:, 0], centres[:, 1]))]
 
 
@@ -130,10 +132,13 @@ def shading(height: Array, region: Region, tilt: float, *, elevation: float, rea
     blocked = np.full_like(height, -np.inf)
     steps = max(2, min(10, int(reach * region.density)))
     for distance in np.linspace(reach / steps, reach, steps):
-        shifted = _shifted(height, round(light_v * distance * region.density), round(light_u * distance * region.density))
+        shifted = _shifted(
+            height, round(light_v * distance * region.density), round(light_u * distance * region.density)
+        )
         np.maximum(blocked, shifted - np.float32(distance * sin / cos), out=blocked)
     shadow = np.clip((blocked - height) / np.float32(softness), 0, 1)
-    return np.clip(cosine / sin, 0, None) * (1 - shadow)
+    lit: Array = np.clip(cosine / sin, 0, None) * (1 - shadow)
+    return lit
 
 
 def _shifted(values: Array, down: int, right: int) -> Array:

@@ -4,9 +4,20 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from ...numerics.plane import Plane, Region, photograph, seen_plane
-from ._paint import encoded, fractal, linear, noise, openness, scattered_points, shading, visible_centres
+from graphtex import QUIET, Context, Rng, node
+from graphtex_nodes.image.exemplars._paint import (
+    encoded,
+    fractal,
+    linear,
+    openness,
+    scattered_points,
+    shading,
+    visible_centres,
+)
+from graphtex_nodes.image.exemplars._view import Exemplar, FieldOfView, Height, Slant, Tilt, Width, framed_plane
+from graphtex_nodes.numerics.plane import Plane, Region, photograph
 
 Array = NDArray[Any]
 
@@ -15,6 +26,7 @@ PALETTE = (  # sRGB: slate, blue-grey, warm grey, sandstone, ochre, brown, red-b
     (0.72, 0.55, 0.36), (0.47, 0.37, 0.30), (0.56, 0.36, 0.29), (0.86, 0.84, 0.79),
 )  # fmt: skip
 SHARES = (0.17, 0.16, 0.20, 0.15, 0.09, 0.10, 0.06, 0.07)
+OUTLINE = 1.2  # how far a wavy outline reaches, in half axes
 
 
 class Stones(NamedTuple):
@@ -27,36 +39,64 @@ class Stones(NamedTuple):
     outlines: Array
 
 
-class Exemplar(NamedTuple):
-    image: Any
-    scale: Any
-    centres: Any
-
-
+@node
 def pebbles(
     *,
-    width: int = 256,
-    height: int = 256,
-    size: float = 24.0,
-    slant: float = 0.0,
-    tilt: float = 0.0,
-    field_of_view: float = 45.0,
-    rng: Any = 0,
+    width: Width = 256,
+    height: Height = 256,
+    size: Annotated[
+        float, Field(ge=4, le=512, description="mean diameter of a pebble in pixels where the scale is 1")
+    ] = 24.0,
+    slant: Slant = 0.0,
+    tilt: Tilt = 0.0,
+    field_of_view: FieldOfView = 45.0,
+    rng: Rng = 0,
+    ctx: Context = QUIET,
 ) -> Exemplar:
-    """Lit pebbles of many colours on a plane, with the plane's true texel scale and the pebbles' centres."""
-    rng = np.random.default_rng(rng)
-    plane = seen_plane(width, height, slant, tilt, field_of_view)
-    large = relaxed_stones(plane, size, rng)
-    small = relaxed_stones(plane, 0.42 * size, rng)
+    """Lit pebbles of many colours on a plane, with the plane's true texel scale and the pebbles' centres.
+
+    Pebbles are ellipsoids with wavy outlines on relaxed Voronoi cells, smaller ones and soil between them. They are
+    painted on the plane: their relief hides nothing behind it, and every pebble shrinks exactly as the scale map says.
+
+    Parameters
+    ----------
+    slant, tilt, field_of_view
+        The plane's pose, as in ScaleFromAngles: tilt 0 makes pebbles shrink upwards, 90 to the right.
+
+    Returns
+    -------
+    image
+        Shape (height, width, 3), sRGB-encoded in [0, 1].
+    scale
+        True relative texel scale; the largest and the smallest multiply to 1. A pebble is `size` times as wide, across
+        the tilt, in pixels; along the tilt the slant shortens it further.
+    centres
+        Centres of the large pebbles inside the picture, (x, y), sorted from top to bottom.
+
+    Raises
+    ------
+    ValueError
+        The horizon is in the picture, or scales would leave [1/8, 8].
+
+    Examples
+    --------
+    >>> image, scale, centres = pebbles(width=64, height=48, slant=50.0)
+    >>> image.shape, scale.shape, bool(scale[0, 0] < scale[-1, 0])
+    ((48, 64, 3), (48, 64), True)
+    """
+    plane = framed_plane(width, height, slant, tilt, field_of_view)
+    large, small = relaxed_stones(plane, size, rng), relaxed_stones(plane, 0.42 * size, rng)
     keys = [int(key) for key in rng.integers(1 << 62, size=3)]
-    colours = np.concatenate([stone_colours(len(stones.centres), rng) for stones in (small, large)])
-    stripes = np.concatenate([stone_stripes(len(stones.centres), rng) for stones in (small, large)])
+    counts = [len(stones.centres) for stones in (small, large)]
+    colours = np.concatenate([stone_colours(count, rng) for count in counts])
+    stripes = np.concatenate([stone_stripes(count, rng) for count in counts])
 
     def paint(region: Region) -> Array:
+        ctx.check()
         ground = np.float32(0.05 * size) * fractal(region, 0.3 * size, keys[0])
         owner = np.full(ground.shape, -1, np.int32)
         lay_stones(small, region, ground, owner, first=0)
-        lay_stones(large, region, ground, owner, first=len(small.centres))
+        lay_stones(large, region, ground, owner, first=counts[0])
         return light_stones(ground, owner, region, size, tilt, colours, stripes, keys)
 
     picture = photograph(plane, paint)
@@ -93,7 +133,7 @@ def relaxed_stones(plane: Plane, size: float, rng: np.random.Generator) -> Stone
 
 def lay_stones(stones: Stones, region: Region, ground: Array, owner: Array, *, first: int) -> None:
     """Raise `ground` to the stones that stick out of it, and write their numbers (from `first`) to `owner`."""
-    reach = 1.25 * stones.axes.max()
+    reach = OUTLINE * stones.axes.max()
     near = (
         (stones.centres[:, 0] > region.u[0] - reach)
         & (stones.centres[:, 0] < region.u[-1] + reach)
@@ -101,20 +141,25 @@ def lay_stones(stones: Stones, region: Region, ground: Array, owner: Array, *, f
         & (stones.centres[:, 1] < region.v[-1] + reach)
     )
     numbers = np.flatnonzero(near)
-    side = int(np.ceil(2 * reach * region.density)) + 1
-    for some in np.array_split(numbers, max(1, len(numbers) * side**2 // 1_000_000)):
+    numbers = numbers[np.argsort(stones.axes[numbers, 0], kind="stable")]  # windows of one size at a time
+    for some in np.array_split(numbers, max(1, int(len(numbers) * (2 * reach * region.density) ** 2 / 200_000))):
+        if not len(some):
+            continue
+        reach = OUTLINE * stones.axes[some[-1], 0]
+        side = int(np.ceil(2 * reach * region.density)) + 1
         column = np.floor((stones.centres[some, 0] - reach - region.u0) * region.density).astype(int)
         row = np.floor((stones.centres[some, 1] - reach - region.v0) * region.density).astype(int)
         du = region.u0 + (column[:, None] + np.arange(side)) / region.density - stones.centres[some, 0, None]
         dv = region.v0 + (row[:, None] + np.arange(side)) / region.density - stones.centres[some, 1, None]
         rise = _rise(stones, some, du.astype(np.float32), dv.astype(np.float32))
         for number, i, j, patch in zip(some, row, column, rise, strict=True):
-            top, left = max(i, 0), max(j, 0)
-            window = ground[top : i + side, left : j + side]
+            top, left, bottom, right = max(i, 0), max(j, 0), max(i + side, 0), max(j + side, 0)
+            window = ground[top:bottom, left:right]
             patch = patch[top - i : top - i + window.shape[0], left - j : left - j + window.shape[1]]
-            higher = patch > window
-            np.copyto(window, patch, where=higher)
-            np.copyto(owner[top : i + side, left : j + side], first + number, where=higher)
+            if patch.size and patch.shape == window.shape:
+                higher = patch > window
+                np.copyto(window, patch, where=higher)
+                np.copyto(owner[top:bottom, left:right], first + number, where=higher)
 
 
 def _rise(stones: Stones, some: Array, du: Array, dv: Array) -> Array:
@@ -128,11 +173,12 @@ def _rise(stones: Stones, some: Array, du: Array, dv: Array) -> Array:
     square = aa + bb + np.float32(1e-6)
     bumps = outlines[some, :, None, None]
     # the outline's radius: 1 + harmonics of the second and third order of the angle around the centre
-    second = (bumps[:, 0] * (aa - bb) + bumps[:, 1] * 2 * along * across) / square
-    third = (bumps[:, 2] * along * (aa - 3 * bb) + bumps[:, 3] * across * (3 * aa - bb)) / square**1.5
-    square = square / (1 + second + third) ** 2
-    dome = np.sqrt(np.maximum(1 - square**1.25, 0)) - 4 * np.maximum(square - 1, 0)
-    return stones.tops[some].astype(np.float32)[:, None, None] * dome
+    second = bumps[:, 0] * (aa - bb) + 2 * bumps[:, 1] * along * across
+    third = (bumps[:, 2] * along * (aa - 3 * bb) + bumps[:, 3] * across * (3 * aa - bb)) / np.sqrt(square)
+    radius = np.sqrt(square) / (1 + (second + third) / square)
+    dome: Array = np.sqrt(np.maximum(1 - radius * radius * np.sqrt(radius), 0)) - 8 * np.maximum(radius - 1, 0)
+    dome *= stones.tops[some].astype(np.float32)[:, None, None]
+    return dome
 
 
 def stone_colours(count: int, rng: np.random.Generator) -> Array:
@@ -150,7 +196,14 @@ def stone_stripes(count: int, rng: np.random.Generator) -> Array:
 
 
 def light_stones(
-    height: Array, owner: Array, region: Region, size: float, tilt: float, colours: Array, stripes: Array, keys: list[int]
+    height: Array,
+    owner: Array,
+    region: Region,
+    size: float,
+    tilt: float,
+    colours: Array,
+    stripes: Array,
+    keys: list[int],
 ) -> Array:
     """Linear light (rows, columns, 3) of the stones and the soil between them."""
     grain = fractal(region, 0.10 * size, keys[1], 3)
@@ -161,8 +214,12 @@ def light_stones(
     u, v = (region.u / size).astype(np.float32), (region.v / size).astype(np.float32)
     wave = np.sin(vein[..., 0] * u + vein[..., 1] * v[:, None] + vein[..., 2] + 2.5 * mottle)
     albedo = 1 + 0.16 * grain + 0.14 * mottle + vein[..., 3] * wave**3
-    sun = shading(height + np.float32(0.008 * size) * grain, region, tilt, elevation=48, reach=0.8 * size, softness=0.05 * size)
+    sun = shading(
+        height + np.float32(0.008 * size) * grain, region, tilt, elevation=48, reach=0.8 * size, softness=0.05 * size
+    )
     sky = openness(height, region, 0.16 * size, 0.75) * openness(height, region, 0.05 * size, 0.35)
-    light = sun[..., None] * np.array([0.80, 0.76, 0.68], np.float32)
+    light: Array = sun[..., None] * np.array([0.80, 0.76, 0.68], np.float32)
     light = light + sky[..., None] * np.array([0.24, 0.27, 0.32], np.float32)
-    return table[owner] * albedo[..., None] * light
+    light *= albedo[..., None]
+    light *= table[owner]
+    return light
