@@ -1,0 +1,128 @@
+"""Material maps as channels of one picture, so that one synthesis makes them all, and back."""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from graphtex import QUIET, Context, Image, node
+
+MapKind = Literal["colour", "colour+alpha", "normal", "scalar"]
+CHANNELS: dict[str, int] = {"colour": 3, "colour+alpha": 4, "normal": 3, "scalar": 1}
+MOST_CHANNELS = 16
+_UNIT_WITHIN = 0.01  # rounding to 8 bits moves a normal's length by up to 0.7 %
+
+Kinds = Annotated[
+    list[MapKind], Field(min_length=1, max_length=MOST_CHANNELS, description="what each map is, in order")
+]
+
+Renormalise = Annotated[
+    bool, Field(description="make normals unit vectors again; false gives back the stack's numbers")
+]
+
+
+@node
+def stack_maps(maps: list[Image], *, kinds: Kinds, ctx: Context = QUIET) -> Image:
+    """Stack material maps (albedo, normals, roughness, height ...) of one size into the channels of one picture.
+
+    A synthesis of the stack copies all maps from the same places, so they stay aligned. `split_maps` with the same
+    ``kinds`` undoes it exactly (a normal that is no unit vector, only without ``renormalise``).
+
+    Parameters
+    ----------
+    maps
+        Pictures of one size. ``colour`` has 3 channels, ``colour+alpha`` 4, ``normal`` 3, ``scalar`` 1; load maps
+        that are not colour with ``encoding: raw``.
+    kinds
+        One for each map. A normal is a unit vector encoded as (n + 1) / 2.
+
+    Returns
+    -------
+    Image
+        (h, w, sum of the channels), at most 16.
+
+    Raises
+    ------
+    ValueError
+        If sizes, channels or the numbers of maps and kinds disagree, or there are more than 16 channels.
+    """
+    if len(maps) != len(kinds):
+        raise ValueError(f"kinds: expected one for each of {len(maps)} maps, got {len(kinds)}")
+    for i, (image, kind) in enumerate(zip(maps, kinds, strict=True)):
+        if image.shape[:2] != maps[0].shape[:2]:
+            raise ValueError(f"maps[{i}]: expected the size of maps[0], {maps[0].shape[:2]}, got {image.shape[:2]}")
+        if image.shape[2] != CHANNELS[kind]:
+            hint = "; Grey makes one channel of it" if kind == "scalar" else ""
+            raise ValueError(f"maps[{i}]: {kind} has {CHANNELS[kind]} channels, got {image.shape[2]}{hint}")
+        if kind == "normal":
+            _warn_of_no_normals(f"maps[{i}]", image, ctx)
+    total = _total(kinds)
+    if total > MOST_CHANNELS:
+        raise ValueError(f"maps: an Image has up to {MOST_CHANNELS} channels, got {total} in all")
+    return np.concatenate(maps, axis=2)
+
+
+@node
+def split_maps(image: Image, *, kinds: Kinds, renormalise: Renormalise = True) -> list[Image]:
+    """Split a stack into its maps and make normals unit vectors again.
+
+    Blending pixels shortens normals. A normal whose length is within 1 % of 1 (as 8 bits round it) stays bit for
+    bit as it is; one of no length becomes (0, 0, 1).
+
+    Parameters
+    ----------
+    kinds
+        The same as given to `stack_maps`.
+
+    Raises
+    ------
+    ValueError
+        If the kinds do not add up to the picture's channels.
+    """
+    return [_extract(image, kinds, index, renormalise) for index in range(len(kinds))]
+
+
+@node
+def select_map(
+    image: Image,
+    *,
+    kinds: Kinds,
+    index: Annotated[int, Field(ge=0, description="which map, from 0")],
+    renormalise: Renormalise = True,
+) -> Image:
+    """One map of a stack, as `split_maps` gives it.
+
+    Raises
+    ------
+    ValueError
+        If the kinds do not add up to the picture's channels, or the index is beyond them.
+    """
+    if index >= len(kinds):
+        raise ValueError(f"index: expected 0 to {len(kinds) - 1} ({', '.join(kinds)}), got {index}")
+    return _extract(image, kinds, index, renormalise)
+
+
+def _total(kinds: list[MapKind]) -> int:
+    return sum(CHANNELS[kind] for kind in kinds)
+
+
+def _extract(image: NDArray[np.float32], kinds: list[MapKind], index: int, renormalise: bool) -> NDArray[np.float32]:
+    if _total(kinds) != image.shape[2]:
+        raise ValueError(f"kinds: {' + '.join(kinds)} are {_total(kinds)} channels, the picture has {image.shape[2]}")
+    start = _total(kinds[:index])
+    part = image[..., start : start + CHANNELS[kinds[index]]]
+    return _unit_normals(part) if renormalise and kinds[index] == "normal" else part.copy()
+
+
+def _unit_normals(encoded: NDArray[np.float32]) -> NDArray[np.float32]:
+    normal = encoded.astype(np.float64) * 2 - 1
+    length = np.linalg.norm(normal, axis=2, keepdims=True)
+    unit = np.where(length > 1e-6, normal / np.maximum(length, 1e-6), [0.0, 0.0, 1.0])
+    return np.where(np.abs(length - 1) <= _UNIT_WITHIN, encoded, (unit + 1) / 2).astype(np.float32)
+
+
+def _warn_of_no_normals(name: str, image: NDArray[np.float32], ctx: Context) -> None:
+    length = float(np.median(np.linalg.norm(image * 2.0 - 1, axis=2)))
+    if abs(length - 1) > 0.1:
+        ctx.warn(f"{name}: half of its normals are longer or shorter than {length:.2f}; is it a normal map?")
