@@ -1,0 +1,140 @@
+"""Graph files on disk: what is wrong with a file is said as clearly as what is wrong in it."""
+
+import codecs
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from graphtex.errors import GraphError, Problem, did_you_mean
+from graphtex.files.reader import read
+from graphtex.files.writer import dumps
+from graphtex.files.yamltree import BULK_HINT, MAX_SIZE, parse
+from graphtex.graph import Graph
+
+_FOREIGN = ((codecs.BOM_UTF32_LE, "UTF-32"), (codecs.BOM_UTF32_BE, "UTF-32"), (codecs.BOM_UTF16_LE, "UTF-16"),
+            (codecs.BOM_UTF16_BE, "UTF-16"))  # fmt: skip
+
+
+def read_file(path: str | os.PathLike[str]) -> tuple[Graph | None, list[Problem]]:
+    """Read a graph file as `read` reads its text; a file that cannot be read is a problem too.
+
+    UTF-8 with or without a byte order mark; at most `MAX_SIZE` bytes.
+    """
+    file = Path(path)
+    try:
+        with file.open("rb") as stream:
+            data = stream.read(MAX_SIZE + 1)
+        return read(_decoded(data), file)
+    except FileNotFoundError:
+        message = f"there is no such file{_neighbour(file)}"
+    except IsADirectoryError:
+        message = "a folder; a graph is one file"
+    except PermissionError:
+        message = "a folder; a graph is one file" if file.is_dir() else "the file may not be read: permission denied"
+    except OSError as error:
+        message = f"the file cannot be read: {error.strerror or error}"
+    except _Unreadable as error:
+        return None, [Problem(str(file), error.line, error.column, "", str(error))]
+    except ValueError as error:  # a path with a null character
+        message = f"no path: {error}"
+    return None, [Problem(str(file), 0, 0, "", message)]
+
+
+class _Unreadable(Exception):
+    """Bytes that are no text of a graph file."""
+
+    def __init__(self, message: str, line: int = 0, column: int = 0) -> None:
+        self.line, self.column = line, column
+        super().__init__(message)
+
+
+def _decoded(data: bytes) -> str:
+    if len(data) > MAX_SIZE:
+        raise _Unreadable(f"larger than {MAX_SIZE >> 20} MiB; {BULK_HINT}")
+    for mark, name in _FOREIGN:
+        if data.startswith(mark):
+            raise _Unreadable(f"the file is {name}; save it as UTF-8")
+    data = data.removeprefix(codecs.BOM_UTF8)
+    try:
+        return data.decode()
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode()
+        lines = before.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+        message = f"not UTF-8: byte 0x{data[error.start]:02x}; save the file as UTF-8"
+        raise _Unreadable(message, len(lines), len(lines[-1]) + 1) from None
+
+
+def _neighbour(file: Path) -> str:
+    """Return a hint at a graph file beside the missing one whose name is near."""
+    try:
+        names = [other.name for other in file.parent.iterdir() if other.suffix in (".yaml", ".yml")]
+    except OSError:
+        return f"; there is no folder {str(file.parent)!r}" if not file.parent.exists() else ""
+    hint = did_you_mean(file.name, names, label="files")
+    return hint if "did you mean" in hint else ""
+
+
+def save(graph: Graph, path: str | os.PathLike[str]) -> None:
+    """Write a graph file; a reader sees the old file or the new one, never a part.
+
+    Raises
+    ------
+    GraphError
+        If the graph or the file cannot be written; an existing file is left as it was.
+    """
+    text = dumps(graph)
+    target = Path(os.path.realpath(path))  # a symbolic link stays one
+    temporary = ""
+    try:
+        mode = target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~_umask()
+        handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:40]}-", suffix=".tmp", dir=target.parent)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(text.encode())
+            stream.flush()
+            os.fsync(stream.fileno())
+        Path(temporary).chmod(mode)
+        Path(temporary).replace(target)
+    except OSError as error:
+        if temporary:
+            Path(temporary).unlink(missing_ok=True)
+        raise GraphError([Problem(str(path), 0, 0, "", f"cannot be written: {error.strerror or error}")]) from error
+
+
+def _umask() -> int:
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask
+
+
+def loads(text: str) -> Graph:
+    """Return the graph that a text holds; GraphError with all that is wrong, in form and in meaning."""
+    return _checked(*read(text))
+
+
+def load(path: str | os.PathLike[str]) -> Graph:
+    """Return the graph of a file; GraphError with all that is wrong, in form and in meaning."""
+    return _checked(*read_file(path))
+
+
+def _checked(graph: Graph | None, problems: list[Problem]) -> Graph:
+    from graphtex.check import check  # it reads files itself: sub-graphs
+
+    if graph is not None:
+        told = {(p.file, p.line, p.column) for p in problems}  # what follows from those is left out
+        problems = problems + [p for p in check(graph) if not p.line or (p.file, p.line, p.column) not in told]
+    if graph is None or problems:
+        raise GraphError(problems)
+    return graph
+
+
+def read_scalar(text: str) -> Any:
+    """Return what a text means as a value of a graph file: ``3`` is a number, ``[a, b]`` a list; ValueError if nothing.
+
+    >>> read_scalar("1e3"), read_scalar("no"), read_scalar("[1, 2]")
+    (1000.0, 'no', [1, 2])
+    """
+    tree = parse(text)
+    if tree.problems:
+        raise ValueError(tree.problems[0].message)
+    return tree.data
