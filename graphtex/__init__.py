@@ -1,7 +1,9 @@
 """Example-based texture synthesis and editing as a node-graph dataflow framework."""
 
+from graphtex import numbers as _numbers  # noqa: F401 (registers the handlers of Number)
 from graphtex.context import QUIET, Context, Rng
 from graphtex.errors import Cancelled, DeclarationError, GraphError, GraphtexError, NodeFailed, Problem
+from graphtex.graph import Graph
 from graphtex.handlers import opener, view, writer
 from graphtex.node import Node, node
 from graphtex.parameters import FilePath
@@ -40,6 +42,7 @@ __all__ = [
     "Elements",
     "FilePath",
     "Gap",
+    "Graph",
     "GraphError",
     "GraphtexError",
     "Image",

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from typing import Any
 
 
 @dataclass(frozen=True, order=True)
@@ -59,6 +60,7 @@ class NodeFailed(GraphtexError):
 
     def __init__(self, task: str, message: str) -> None:
         self.task = task
+        self.result: Any = None  # the run's results as far as they go, set when the whole run ends by this
         super().__init__(f"{task}: {message}")
 
 

@@ -42,7 +42,7 @@ class Opener:
 
 VIEWS: dict[str, View] = {}
 WRITERS: dict[tuple[str, str], Writer] = {}
-DEFAULT_SUFFIX: dict[str, str] = {"Number": ".json"}
+DEFAULT_SUFFIX: dict[str, str] = {}
 OPENERS: list[Opener] = []
 
 

@@ -3,6 +3,7 @@
 Parameters are data: they are checked as JSON would be, strictly, so ``"no"`` is never a bool and ``1.5`` never an int.
 """
 
+import functools
 import inspect
 import json
 from collections.abc import Callable, Iterable, Mapping
@@ -43,7 +44,8 @@ def parameters_model(owner: str, parameters: Iterable[inspect.Parameter], hints:
 def _check_default(owner: str, name: str, info: FieldInfo, model: type[BaseModel]) -> None:
     if info.is_required():
         return
-    problems = [text for path, text in validate(model, {name: info.default}, ignore_missing=True)[1] if path[0] == name]
+    others = frozenset(model.model_fields) - {name}
+    problems = [text for _, text in validate(model, {name: info.default}, unknown=others)[1]]
     if problems:
         raise DeclarationError(f"{owner}: the default of {name} does not fit its own type: {problems[0]}")
 
@@ -65,21 +67,32 @@ def plain(value: Any) -> Any:
     return value
 
 
+@functools.cache
+def without(model: type[BaseModel], names: frozenset[str]) -> type[BaseModel]:
+    """Return a model without some of its parameters: those whose values are known only later."""
+    if not names:
+        return model
+    fields: dict[str, Any] = {
+        name: (info.annotation, info) for name, info in model.model_fields.items() if name not in names
+    }
+    return create_model(model.__name__, __config__=_STRICT, **fields)
+
+
 def validate(
-    model: type[BaseModel], values: Mapping[str, Any], *, ignore_missing: bool = False, unknown: Iterable[str] = ()
+    model: type[BaseModel], values: Mapping[str, Any], *, unknown: Iterable[str] = ()
 ) -> tuple[BaseModel | None, list[tuple[tuple[str | int, ...], str]]]:
     """Check values against a model.
 
     Parameters
     ----------
     unknown
-        Names whose values are known only later; they are not asked for.
+        Names whose values are known only later; they are not in the model that is returned.
 
     Returns
     -------
     The model, or None and the list of (path, message).
     """
-    later = set(unknown)
+    model = without(model, frozenset(unknown))
     try:
         text = json.dumps(plain(values))
     except (TypeError, ValueError) as error:
@@ -88,13 +101,7 @@ def validate(
     try:
         return model.model_validate_json(text, strict=True), []
     except ValidationError as error:
-        problems = []
-        for fault in error.errors(include_url=False):
-            path = tuple(fault["loc"])
-            if fault["type"] == "missing" and (path[0] in later or (ignore_missing and len(path) == 1)):
-                continue
-            problems.append((path, _message(model, fault)))
-        return None, problems
+        return None, [(tuple(fault["loc"]), _message(model, fault)) for fault in error.errors(include_url=False)]
 
 
 def _is_plain(value: Any) -> bool:

@@ -1,0 +1,279 @@
+"""A graph: inputs, nodes and outputs, as data. The YAML file and the Python builder are two faces of it.
+
+Arguments are kept in the form in which a file writes them: ``"mask"`` or ``"mask.edges"`` in a socket's place,
+``"$name"`` for a graph input, ``"$$"`` for a plain dollar, ``{"from": "node.socket"}`` for a measured number in a
+parameter's place, and plain data otherwise. What they mean is decided in one place, `graphtex.links`.
+"""
+
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from graphtex.errors import GraphError, Problem, did_you_mean
+from graphtex.node import Node
+from graphtex.parameters import plain
+from graphtex.sockets import TYPES, find_type
+
+if TYPE_CHECKING:
+    from graphtex.run import RunResult
+
+Place = tuple[str | int, ...]
+FORMAT = 1
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+SCALAR_TYPES = ("int", "float", "str", "bool", "file", "data")
+
+
+class _Required:
+    """The default of an input that has none."""
+
+    def __repr__(self) -> str:
+        return "REQUIRED"
+
+
+REQUIRED: Any = _Required()
+
+
+@dataclass(frozen=True)
+class Input:
+    """A graph input.
+
+    Attributes
+    ----------
+    type
+        A socket type (``Image``), ``int``, ``float``, ``str``, ``bool``, ``file`` (a path), ``data`` (any plain data),
+        or a list of one (``list[Image]``, ``list[int]``).
+    default
+        `REQUIRED`, a literal, or for socket types a path or ``scheme:name``.
+    min, max, choices
+        What a value may be; None means no bound.
+    """
+
+    type: str
+    default: Any = REQUIRED
+    min: float | None = None
+    max: float | None = None
+    choices: tuple[Any, ...] | None = None
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A node of a graph: a `node` by its name or another `graph` by its file, with arguments in file form."""
+
+    node: str = ""
+    graph: str = ""
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+    each: Mapping[str, Any] = field(default_factory=dict)
+    seed: Any = None
+    on_error: Literal["stop", "keep"] = "stop"
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a run returns and writes: a reference, the file's name and options of its writer."""
+
+    source: str
+    file: str | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class InputHandle:
+    """A graph input, to be passed to `Graph.add`."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class SocketHandle:
+    """One output of an added node, to be passed to `Graph.add` or `Graph.output`."""
+
+    reference: str
+
+
+class NodeHandle:
+    """An added node; its attributes are its outputs."""
+
+    def __init__(self, name: str, outputs: tuple[str, ...]) -> None:
+        self._name = name
+        self._outputs = outputs
+
+    def __getattr__(self, socket: str) -> SocketHandle:
+        if socket.startswith("__") or socket not in self._outputs:
+            raise AttributeError(
+                f"{self._name} has no output {socket!r}{did_you_mean(socket, self._outputs, label='outputs')}"
+            )
+        return SocketHandle(self._name if len(self._outputs) == 1 else f"{self._name}.{socket}")
+
+    def __repr__(self) -> str:
+        return f"<{self._name}: {', '.join(self._outputs)}>"
+
+
+@dataclass
+class Graph:
+    """A graph of nodes.
+
+    >>> g = Graph(title="Copy", seed=7)
+    >>> g.input("size", "int", default=3)
+    InputHandle(name='size')
+    """
+
+    title: str = ""
+    source: str = ""
+    seed: int = 0
+    description: str = ""
+    inputs: dict[str, Input] = field(default_factory=dict)
+    nodes: dict[str, Entry] = field(default_factory=dict)
+    outputs: dict[str, Output] = field(default_factory=dict)
+    file: Path | None = field(default=None, compare=False)  # where it was read from
+    places: Mapping[Place, tuple[int, int]] = field(
+        default_factory=dict, compare=False, repr=False
+    )  # line, column of values
+    key_places: Mapping[Place, tuple[int, int]] = field(default_factory=dict, compare=False, repr=False)
+    own_nodes: dict[str, Node[Any, Any]] = field(default_factory=dict, compare=False, repr=False)  # nodes of no pack
+
+    @property
+    def base(self) -> Path:
+        """The folder that relative paths start from: that of the file, or the current one."""
+        return self.file.parent if self.file else Path.cwd()
+
+    def problem(self, path: Place, message: str, *, key: bool = False) -> Problem:
+        """Return a problem at the nearest place of `path` that is known; `key` means the key, not its value."""
+        shown = ".".join(str(part) for part in path)
+        tables = (self.key_places, self.places) if key else (self.places, self.key_places)
+        for length in range(len(path), -1, -1):
+            for table in tables if length == len(path) else (self.key_places, self.places):
+                if path[:length] in table:
+                    line, column = table[path[:length]]
+                    return Problem(str(self.file or ""), line, column, shown, message)
+        return Problem(str(self.file or ""), 0, 0, shown, message)
+
+    def input(self, name: str, type: Any, default: Any = REQUIRED, **bounds: Any) -> InputHandle:
+        """Add a graph input; `type` is a socket type, a Python type or the name of one. Bounds as in `Input`.
+
+        Raises
+        ------
+        GraphError
+            If the name is taken or no name, or the type is unknown.
+        """
+        self._free_name(name, self.inputs, ("inputs", name))
+        if "choices" in bounds:
+            bounds["choices"] = tuple(bounds["choices"])
+        self.inputs[name] = Input(_type_name(type), default if default is REQUIRED else plain(default), **bounds)
+        return InputHandle(name)
+
+    def add(
+        self,
+        node: "Node[Any, Any] | str | os.PathLike[str]",
+        name: str | None = None,
+        /,
+        *,
+        each: Mapping[str, Any] | None = None,
+        seed: Any = None,
+        on_error: Literal["stop", "keep"] = "stop",
+        **arguments: Any,
+    ) -> NodeHandle:
+        """Add a node, or with a path another graph file as a sub-graph; arguments are handles or plain data.
+
+        Parameters
+        ----------
+        name
+            The node's id in the graph; without it the function's name, numbered if taken.
+        each
+            Arguments to range over: name to list, or to an input that is a list.
+        """
+        from graphtex.links import entry_signature
+        from graphtex.packs import registry
+
+        own = node.function.__name__ if isinstance(node, Node) else Path(node).stem.replace("-", "_")
+        if name is None:
+            name = (
+                own
+                if own not in self.nodes
+                else next(n for i in range(2, 1 << 30) if (n := f"{own}_{i}") not in self.nodes)
+            )
+        self._free_name(name, self.nodes, ("nodes", name))
+        if isinstance(node, Node):
+            if registry().nodes.get(node.name) is not node:
+                self.own_nodes[node.name] = node
+            entry = Entry(node=node.name)
+        else:
+            entry = Entry(graph=os.fspath(node))
+        signature = entry_signature(self, ("nodes", name), entry)
+        written = {key: _written(value, key in signature.sockets) for key, value in arguments.items()}
+        ranges = {
+            key: _written(value, True) if isinstance(value, InputHandle) else plain(value)
+            for key, value in (each or {}).items()
+        }
+        self.nodes[name] = Entry(entry.node, entry.graph, written, ranges, _written(seed, False), on_error)
+        return NodeHandle(name, tuple(signature.outputs))
+
+    def output(
+        self, name: str, source: "NodeHandle | SocketHandle | InputHandle", file: str | None = None, **options: Any
+    ) -> None:
+        """Name what a run returns and writes."""
+        self._free_name(name, self.outputs, ("outputs", name))
+        self.outputs[name] = Output(_written(source, True), file, {key: plain(value) for key, value in options.items()})
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the graph as a YAML file."""
+        from graphtex.files import save
+
+        save(self, path)
+
+    def run(self, **inputs: Any) -> "RunResult":
+        """Run with these inputs, in this process, with the default cache; see `graphtex.run.run` for more choices."""
+        from graphtex.run import run
+
+        return run(self, inputs)
+
+    def _free_name(self, name: str, taken: Mapping[str, Any], path: Place) -> None:
+        if not NAME.fullmatch(name):
+            raise GraphError([self.problem(path, f"a name is letters, digits, _ and -, got {name!r}")])
+        if name in taken:
+            raise GraphError([self.problem(path, f"the name {name!r} is taken")])
+
+
+def _type_name(type: Any) -> str:
+    if isinstance(type, str):
+        return type
+    kind = find_type(type)
+    if kind is not None:
+        return kind.name
+    if getattr(type, "__origin__", None) is list:
+        return f"list[{_type_name(type.__args__[0])}]"
+    name = getattr(type, "__name__", str(type))
+    if name in SCALAR_TYPES or name in TYPES:
+        return name
+    raise GraphError(
+        [Problem("", 0, 0, "inputs", f"unknown type {name!r}{did_you_mean(name, [*TYPES, *SCALAR_TYPES])}")]
+    )
+
+
+def _written(value: Any, is_socket: bool) -> Any:
+    """Return an argument in the form in which a file writes it."""
+    if isinstance(value, InputHandle):
+        return f"${value.name}"
+    if isinstance(value, NodeHandle):
+        if len(value._outputs) != 1:
+            problem = f"has several outputs: write one of {', '.join(f'.{name}' for name in value._outputs)}"
+            raise GraphError([Problem("", 0, 0, f"nodes.{value._name}", problem)])
+        value = SocketHandle(value._name)
+    if isinstance(value, SocketHandle):
+        return value.reference if is_socket else {"from": value.reference}
+    if is_socket and isinstance(value, list | tuple):
+        return [_written(item, True) for item in value]
+    return _escaped(plain(value)) if not is_socket else plain(value)
+
+
+def _escaped(value: Any) -> Any:
+    if isinstance(value, str):
+        return f"${value}" if value.startswith("$") else value
+    if isinstance(value, list):
+        return [_escaped(item) for item in value]
+    if isinstance(value, dict):
+        return {key: _escaped(item) for key, item in value.items()}
+    return value

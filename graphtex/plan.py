@@ -1,0 +1,145 @@
+"""Binds a graph to its inputs: sub-graphs and `each:` are expanded, and what is left is a flat DAG of tasks."""
+
+import hashlib
+import itertools
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import networkx as nx
+import numpy as np
+
+from graphtex.errors import Problem
+from graphtex.graph import Graph
+from graphtex.node import Node
+from graphtex.sockets import ValueType
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One output of one task, or a value that the caller gave (task ``$name``)."""
+
+    task: str
+    socket: str
+
+
+_NOWHERE = Problem("", 0, 0, "", "")
+
+
+@dataclass(frozen=True)
+class Task:
+    """One call of one node.
+
+    Attributes
+    ----------
+    inputs
+        Socket to slot, or to a tuple of slots for a list.
+    parameters
+        Plain data, complete but for `measured` ones; files are absolute paths.
+    measured
+        Parameters that another task's number feeds.
+    seed, spawn_key
+        Entropy of the node's random stream.
+    keep_going
+        Whether the run goes on if this task fails (a cell of an `each:` with ``on_error: keep``).
+    places
+        Where the entry stands: an example problem with file, line and column.
+    """
+
+    id: str
+    node: Node[Any, Any]
+    inputs: Mapping[str, Slot | tuple[Slot, ...]]
+    parameters: Mapping[str, Any]
+    measured: Mapping[str, Slot] = field(default_factory=dict)
+    seed: int = 0
+    spawn_key: tuple[int, ...] = ()
+    keep_going: bool = False
+    place: Problem = _NOWHERE
+
+    @cached_property
+    def slots(self) -> tuple[Slot, ...]:
+        """All slots that the task reads, in order."""
+        found: list[Slot] = []
+        for source in self.inputs.values():
+            found += source if isinstance(source, tuple) else (source,)
+        return (*found, *self.measured.values())
+
+    @property
+    def entropy(self) -> tuple[int, ...] | None:
+        """What the task's random stream depends on, None for a node without randomness."""
+        return (self.seed, *self.spawn_key) if "rng" in self.node.injected else None
+
+    def generator(self) -> np.random.Generator:
+        """Return the task's own random stream."""
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=self.spawn_key))
+
+
+@dataclass(frozen=True)
+class PlannedOutput:
+    """One output of the graph: where it comes from and how it is written; `joined`: each slot is an item of a list."""
+
+    name: str
+    slots: tuple[Slot, ...]
+    type: ValueType
+    joined: bool = False
+    file: str | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Tasks in a topological order, values that the caller gave, and outputs."""
+
+    graph: Graph
+    tasks: Mapping[str, Task]
+    given: Mapping[Slot, tuple[ValueType, Any]]
+    outputs: Mapping[str, PlannedOutput]
+
+    @cached_property
+    def dag(self) -> "nx.DiGraph[str]":
+        """Tasks as a networkx DAG."""
+        dag: nx.DiGraph[str] = nx.DiGraph()
+        dag.add_nodes_from(self.tasks)
+        dag.add_edges_from(
+            (slot.task, task.id) for task in self.tasks.values() for slot in task.slots if slot not in self.given
+        )
+        return dag
+
+    def only(self, outputs: Mapping[str, PlannedOutput]) -> "Plan":
+        """Return the plan cut down to what some outputs need."""
+        wanted = {slot.task for output in outputs.values() for slot in output.slots if slot not in self.given}
+        needed = set(wanted)
+        for task in wanted:
+            needed |= nx.ancestors(self.dag, task)
+        return Plan(self.graph, {key: task for key, task in self.tasks.items() if key in needed}, self.given, outputs)
+
+
+def stream_words(task: str) -> tuple[int, ...]:
+    """Return the spawn key of a node's random stream: SHA-256 of its id without each-indices, as eight words.
+
+    >>> stream_words("cell[2,3]/warp") == stream_words("cell/warp")
+    True
+    """
+    plain_id = re.sub(r"\[[\d,]+\]", "", task)
+    return tuple(int(word) for word in np.frombuffer(hashlib.sha256(plain_id.encode()).digest(), ">u4"))
+
+
+def cells_of(ranges: Mapping[str, list[Any]]) -> list[tuple[str, dict[str, Any]]]:
+    """Return the product of ranges: index such as ``[2,3]``, and each cell's choice.
+
+    >>> cells_of({"a": [1, 2], "b": ["x"]})
+    [('[0,0]', {'a': 1, 'b': 'x'}), ('[1,0]', {'a': 2, 'b': 'x'})]
+    """
+    indices = itertools.product(*(range(len(items)) for items in ranges.values()))
+    return [
+        (f"[{','.join(map(str, index))}]", {key: ranges[key][i] for key, i in zip(ranges, index, strict=True)})
+        for index in indices
+    ]
+
+
+def absolute(base: Path, path: Path) -> Path:
+    """Return a path relative to `base` as an absolute one; the file need not exist."""
+    return path if path.is_absolute() else (base / path).absolute()
