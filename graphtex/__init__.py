@@ -3,10 +3,12 @@
 from graphtex import numbers as _numbers  # noqa: F401 (registers the handlers of Number)
 from graphtex.context import QUIET, Context, Rng
 from graphtex.errors import Cancelled, DeclarationError, GraphError, GraphtexError, NodeFailed, Problem
+from graphtex.files import load, loads
 from graphtex.graph import Graph
 from graphtex.handlers import opener, view, writer
 from graphtex.node import Node, node
 from graphtex.parameters import FilePath
+from graphtex.run import RunResult, run
 from graphtex.sockets import (
     ArrayType,
     Axes,
@@ -54,14 +56,18 @@ __all__ = [
     "Points",
     "Problem",
     "Rng",
+    "RunResult",
     "ScaleMap",
     "SourceMap",
     "Texture",
     "Vector",
     "ViewStack",
     "Views",
+    "load",
+    "loads",
     "node",
     "opener",
+    "run",
     "struct_type",
     "view",
     "writer",

@@ -1,1 +1,56 @@
-"""The node library of graphtex."""
+"""The node library of graphtex: each public name is a node, callable on plain arrays too."""
+
+from graphtex_nodes.image import save as _save  # noqa: F401 (registers the writers)
+from graphtex_nodes.image import views as _views  # noqa: F401 (registers the views)
+from graphtex_nodes.image.contact_sheet import contact_sheet, side_by_side
+from graphtex_nodes.image.convert import (
+    grey,
+    image_from_displacement,
+    image_from_labels,
+    image_from_mask,
+    image_from_scale,
+    image_from_source,
+    mask_from_image,
+    pick_channels,
+)
+from graphtex_nodes.image.exemplars.pebbles import pebbles
+from graphtex_nodes.image.load import load_image, load_mask, load_scale
+from graphtex_nodes.image.load_data import (
+    load_displacement,
+    load_elements,
+    load_labels,
+    load_points,
+    load_source_map,
+    load_texture,
+    load_view_stack,
+)
+from graphtex_nodes.image.maps import select_map, split_maps, stack_maps
+from graphtex_nodes.perspective.optimize import optimize
+
+__all__ = [
+    "contact_sheet",
+    "grey",
+    "image_from_displacement",
+    "image_from_labels",
+    "image_from_mask",
+    "image_from_scale",
+    "image_from_source",
+    "load_displacement",
+    "load_elements",
+    "load_image",
+    "load_labels",
+    "load_mask",
+    "load_points",
+    "load_scale",
+    "load_source_map",
+    "load_texture",
+    "load_view_stack",
+    "mask_from_image",
+    "optimize",
+    "pebbles",
+    "pick_channels",
+    "select_map",
+    "side_by_side",
+    "split_maps",
+    "stack_maps",
+]
