@@ -1,0 +1,70 @@
+"""Histogram matching by re-weighting (Kopf et al. 2007; Dong et al. 2008, equation 8), and even use of the exemplar."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float32]
+
+BINS = 16
+
+
+class Histograms:
+    """Histograms of an exemplar's channels, and the weights that pull a synthesis towards them.
+
+    Equation 8 as printed compares whole windows' bins and frequencies that sum to 1, too small to act beside the 1 in
+    its denominator. Here the bin is that of the pixel that is proposed, and the surplus of a bin is relative:
+
+    .. math:: 1 + \\lambda \\sum_j \\max\\left(0, \\frac{H_{x,j}(b) - H_{e,j}(b)}{H_{e,j}(b) + 1 / (8 B)}\\right)
+
+    with B bins a channel and the gain lambda.
+    """
+
+    def __init__(self, exemplar: Array, importance: Array) -> None:
+        """``exemplar`` (h, w, c), ``importance`` (h, w): how much of each pixel the output should hold, mean 1."""
+        flat = exemplar.reshape(-1, exemplar.shape[2])
+        self.low = flat.min(axis=0)
+        spread = flat.max(axis=0) - self.low
+        self.used = [c for c in range(flat.shape[1]) if spread[c] > 0]
+        self.per_unit = np.where(spread > 0, BINS / np.where(spread > 0, spread, 1), 0).astype(np.float32)
+        self.shape = exemplar.shape[:2]
+        self.bins = {c: self._bin(flat[:, c], c) for c in self.used}
+        weight = importance.ravel().astype(np.float64)
+        self.wanted = {c: np.bincount(self.bins[c], weight, BINS) / weight.sum() for c in self.used}
+
+    def _bin(self, values: Array, channel: int) -> NDArray[np.intp]:
+        position = (values - self.low[channel]) * self.per_unit[channel]
+        return np.clip(position.astype(np.intp), 0, BINS - 1)
+
+    def pixel_weights(self, image: Array, gain: float) -> Array:
+        """Weight (h, w) of each pixel of the exemplar, 1 where its bins are not over-full in ``image``."""
+        surplus = np.ones(self.shape[0] * self.shape[1], np.float64)
+        if gain > 0:
+            for channel in self.used:
+                found = np.bincount(self._bin(image[:, :, channel].ravel(), channel), minlength=BINS)
+                share = found / found.sum()
+                wanted = self.wanted[channel]
+                excess = np.maximum(0, (share - wanted) / (wanted + 1 / (8 * BINS)))
+                surplus += gain * excess[self.bins[channel]]
+        return (1 / surplus).reshape(self.shape).astype(np.float32)
+
+
+def usage(field: NDArray[np.int32], shape: tuple[int, int], radius: int) -> Array:
+    """How often each exemplar window is used, relative to the mean, averaged over a box of 2 radius + 1 windows.
+
+    ``field`` (rows, columns, 2) holds rows and columns below ``shape``.
+    """
+    counts = np.bincount((field[..., 0] * shape[1] + field[..., 1]).ravel(), minlength=shape[0] * shape[1])
+    return box_mean(counts.reshape(shape).astype(np.float64) * (counts.size / counts.sum()), radius)
+
+
+def box_mean(values: NDArray[np.float64], radius: int) -> Array:
+    """Mean over the part of a (2 radius + 1)-box that lies inside the array (h, w)."""
+    for axis in (0, 1):
+        size = values.shape[axis]
+        total = np.cumsum(values, axis=axis)
+        total = np.concatenate([np.zeros_like(total.take([0], axis)), total], axis=axis)
+        low = np.maximum(np.arange(size) - radius, 0)
+        high = np.minimum(np.arange(size) + radius + 1, size)
+        lengths = np.expand_dims(high - low, 1 - axis)
+        values = (total.take(high, axis) - total.take(low, axis)) / lengths
+    return values.astype(np.float32)

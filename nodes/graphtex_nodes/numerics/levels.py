@@ -1,0 +1,72 @@
+"""How many levels and which windows a synthesis uses."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex_nodes.numerics.pyramid import level_size
+from graphtex_nodes.numerics.structure import dominant_period
+
+Array = NDArray[np.float32]
+
+WINDOWS = (16, 8)
+"""Sides of the windows: large ones keep the arrangement, small ones fit what large ones leave."""
+COARSEST = 16
+"""Least side of an exemplar on the coarsest level, two windows of 8 pixels."""
+RESOLVED = 2.0
+"""Pixels that a period needs on the coarsest level: below, copies meet out of step there, and stay so."""
+SMALLEST = 4
+"""Least side that an exemplar may have on the coarsest level when the user asks for more levels."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Iterations on one level (0 is the finest) with one window."""
+
+    level: int
+    window: int
+    iterations: int
+
+
+def automatic_levels(exemplar: Array) -> int:
+    """Number of levels for an exemplar (h, w, c).
+
+    As many as leave a side of :data:`COARSEST` pixels, so that windows see arrangements of half the exemplar: with
+    fewer, large elements break and rare ones get lost. One less for a periodic exemplar whose period would not be
+    resolved on the coarsest level: there a window of 16 pixels sees the same half of the exemplar, twice as sharp.
+    """
+    side = min(exemplar.shape[:2])
+    levels = 1
+    while level_size(side, levels) >= COARSEST:
+        levels += 1
+    if levels > 1 and 0 < dominant_period(exemplar) < RESOLVED * 2 ** (levels - 1):
+        levels -= 1
+    return levels
+
+
+def most_levels(shape: Sequence[int]) -> int:
+    """Largest number of levels that an exemplar of this height and width allows."""
+    levels = 1
+    while level_size(min(shape[:2]), levels) >= SMALLEST:
+        levels += 1
+    return levels
+
+
+def stages(shape: Sequence[int], levels: int, windows: Sequence[int], iterations: int) -> list[Stage]:
+    """What to do in order: levels from coarse to fine, on each the windows from large to small.
+
+    The finest level has ``iterations`` and each coarser one two more, at most 12, shared among its windows. The finest
+    level uses the smallest window alone. A window is at most half the exemplar's smaller side on its level.
+    """
+    result = []
+    for level in range(levels - 1, -1, -1):
+        side = min(level_size(shape[0], level), level_size(shape[1], level))
+        largest = max(side // 2, min(side, SMALLEST))
+        sizes = sorted({min(window, largest) for window in windows}, reverse=True)
+        if level == 0 and levels > 1:
+            sizes = sizes[-1:]
+        count = min(max(12, iterations), iterations + 2 * level)
+        result += [Stage(level, size, -(-count // len(sizes))) for size in sizes]
+    return result

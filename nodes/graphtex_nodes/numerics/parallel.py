@@ -1,0 +1,92 @@
+"""Row bands on a few threads: the only way in which kernels run in parallel.
+
+Kernels take a range of rows and write only those, so their result cannot depend on how rows are cut into bands or on
+the number of threads. There is no numba threading layer: a plain pool calls kernels that release the GIL.
+"""
+
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from typing import Protocol
+
+
+class Work(Protocol):
+    """What numerical code needs of a node's context; ``graphtex.Context`` is one."""
+
+    @property
+    def threads(self) -> int:
+        """How many threads may run."""
+
+    def check(self) -> None:
+        """Raise if the work was cancelled."""
+
+    def progress(self, fraction: float, message: str = "") -> None:
+        """Tell how far the work is, 0 to 1; raise if it was cancelled."""
+
+    def warn(self, message: str) -> None:
+        """Tell the user about a doubtful result."""
+
+
+class Quiet:
+    """Work on one thread that nobody watches."""
+
+    threads = 1
+
+    def check(self) -> None:
+        """Do nothing: it cannot be cancelled."""
+
+    def progress(self, fraction: float, message: str = "") -> None:
+        """Do nothing."""
+
+    def warn(self, message: str) -> None:
+        """Do nothing."""
+
+
+SLICE = 3e7
+"""Elementary steps in a band: 0.02 to 0.2 s, so that cancelling is quick and threads share the rows evenly."""
+
+
+def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: Work) -> None:
+    """Call ``task(first, stop)`` on bands that cover ``range(rows)``.
+
+    Parameters
+    ----------
+    task
+        Writes the rows ``first <= row < stop`` of its result and reads nothing that another band writes.
+    rows
+        How many rows there are.
+    cost
+        Estimated elementary steps (multiply-adds, or one load each) for one row; decides how long bands are.
+    work
+        ``work.check()`` is called between bands, on the calling thread.
+    """
+    band = max(1, min(rows, int(SLICE / max(cost, 1.0))))
+    if work.threads > 1:
+        band = max(1, min(band, -(-rows // (2 * work.threads))))
+    starts = range(0, rows, band)
+    if work.threads <= 1 or len(starts) == 1:
+        for first in starts:
+            work.check()
+            task(first, min(first + band, rows))
+        return
+    with ThreadPoolExecutor(work.threads) as pool:
+        waiting: set[Future[object]] = set()
+        try:
+            for first in starts:
+                if len(waiting) >= 2 * work.threads:
+                    waiting = _settle(waiting)
+                work.check()
+                waiting.add(pool.submit(task, first, min(first + band, rows)))
+            while waiting:
+                waiting = _settle(waiting)
+                work.check()
+        finally:
+            for future in waiting:
+                future.cancel()
+
+
+def _settle(waiting: set[Future[object]]) -> set[Future[object]]:
+    """Wait until a band is done, raise what it raised, and return the others."""
+    done, others = wait(waiting, return_when=FIRST_COMPLETED)
+    for future in done:
+        future.result()
+    return others

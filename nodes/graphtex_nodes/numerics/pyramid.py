@@ -1,0 +1,64 @@
+"""Image pyramids by halving, for any size.
+
+Pixel i of a level covers pixels 2i and 2i + 1 of the next finer one, so a source position on a coarse level is twice
+itself on the finer one: source maps can be carried up exactly.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+_TAPS = np.array([1, 3, 3, 1], np.float32) / 8
+
+
+def half_size(size: int) -> int:
+    """Pixels of the next coarser level."""
+    return (size + 1) // 2
+
+
+def level_size(size: int, level: int) -> int:
+    """Pixels along a side of ``size`` pixels after ``level`` halvings."""
+    for _ in range(level):
+        size = half_size(size)
+    return size
+
+
+def _halve_rows(array: NDArray[np.float32]) -> NDArray[np.float32]:
+    rows = array.shape[0]
+    if rows == 1:
+        return array
+    padded = np.concatenate([array[:1], array, array[-1:], array[-1:]])
+    count = half_size(rows)
+    total = np.zeros((count, *array.shape[1:]), np.float32)
+    for tap, weight in enumerate(_TAPS):
+        total += weight * padded[tap : tap + 2 * count - 1 : 2]
+    return total
+
+
+def halve(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Half-size image: binomial filter (1, 3, 3, 1) / 8 along rows and columns, border pixels repeated.
+
+    Parameters
+    ----------
+    image
+        Shape (h, w) or (h, w, c).
+
+    Returns
+    -------
+    NDArray
+        Shape ((h + 1) // 2, (w + 1) // 2) or that and c. A side of one pixel stays.
+
+    Examples
+    --------
+    >>> halve(np.array([[0, 0, 8, 8]], np.float32))
+    array([[1., 7.]], dtype=float32)
+    """
+    rows = _halve_rows(np.asarray(image, np.float32))
+    return np.ascontiguousarray(np.swapaxes(_halve_rows(np.ascontiguousarray(np.swapaxes(rows, 0, 1))), 0, 1))
+
+
+def pyramid(image: NDArray[np.float32], levels: int) -> list[NDArray[np.float32]]:
+    """The image and its halvings: ``levels`` images, the finest first."""
+    result = [np.ascontiguousarray(image, np.float32)]
+    for _ in range(levels - 1):
+        result.append(halve(result[-1]))
+    return result

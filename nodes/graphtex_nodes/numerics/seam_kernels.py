@@ -1,0 +1,120 @@
+"""Kernels that move seams between copied pieces to where they show least, and soften what is left of them."""
+
+import numpy as np
+from numba import njit
+
+from graphtex_nodes.numerics.jit import kernel
+
+OUTSIDE = np.float32(1e6)
+"""Cost of a source that falls outside the exemplar: above any sum of squared colour differences in use."""
+
+
+@njit(inline="always", fastmath={"contract"})
+def mismatch(exemplar, usable, first_y, first_x, second_y, second_x):  # type: ignore[no-untyped-def]
+    """Squared difference of two exemplar pixels; :data:`OUTSIDE` where one of them cannot be used."""
+    height, width = usable.shape
+    if first_y < 0 or first_y >= height or first_x < 0 or first_x >= width:
+        return OUTSIDE
+    if second_y < 0 or second_y >= height or second_x < 0 or second_x >= width:
+        return OUTSIDE
+    if not usable[first_y, first_x] or not usable[second_y, second_x]:
+        return OUTSIDE
+    total = np.float32(0)
+    for c in range(exemplar.shape[2]):
+        difference = exemplar[first_y, first_x, c] - exemplar[second_y, second_x, c]
+        total += difference * difference
+    return total
+
+
+@kernel(
+    "const f4[:,:,:], const u1[:,:], const f4[:,:,:], i4[:,:,:], f4, f4, i8, i8, i8",
+    fastmath={"contract"},
+)
+def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop):  # type: ignore[no-untyped-def]
+    """Let each pixel of one chequerboard colour take over the piece of one of its four neighbours if that costs less.
+
+    The cost of a source is ``pull`` times its squared difference from ``image`` plus, for each neighbour of another
+    piece, the squared colour differences of both pieces at both pixels (Kwatra et al. 2003, eq. 1) and ``join``.
+    Neighbours have the other colour of the chequerboard: nothing that is read is written in the same pass.
+    """
+    height, width = source.shape[0], source.shape[1]
+    for y in range(first, stop):
+        for x in range((y + parity) % 2, width, 2):
+            here_y = source[y, x, 0]
+            here_x = source[y, x, 1]
+            best = np.float32(-1)
+            best_y = here_y
+            best_x = here_x
+            for choice in range(5):
+                cy = here_y
+                cx = here_x
+                if choice > 0:
+                    down = (choice == 1) - (choice == 2)
+                    right = (choice == 3) - (choice == 4)
+                    if y + down < 0 or y + down >= height or x + right < 0 or x + right >= width:
+                        continue
+                    cy = source[y + down, x + right, 0] - down
+                    cx = source[y + down, x + right, 1] - right
+                    if cy == here_y and cx == here_x:
+                        continue
+                    if cy < 0 or cy >= usable.shape[0] or cx < 0 or cx >= usable.shape[1] or not usable[cy, cx]:
+                        continue
+                cost = np.float32(0)
+                for c in range(image.shape[2]):
+                    difference = image[y, x, c] - exemplar[cy, cx, c]
+                    cost += pull * difference * difference
+                for side in range(4):
+                    down = (side == 0) - (side == 1)
+                    right = (side == 2) - (side == 3)
+                    if y + down < 0 or y + down >= height or x + right < 0 or x + right >= width:
+                        continue
+                    ny = source[y + down, x + right, 0]
+                    nx = source[y + down, x + right, 1]
+                    if ny == cy + down and nx == cx + right:
+                        continue
+                    cost += join + mismatch(exemplar, usable, cy, cx, ny - down, nx - right)
+                    cost += mismatch(exemplar, usable, cy + down, cx + right, ny, nx)
+                if choice == 0 or cost < best:
+                    if choice == 0 and cost == 0:
+                        break
+                    best = cost
+                    best_y = cy
+                    best_x = cx
+            source[y, x, 0] = best_y
+            source[y, x, 1] = best_x
+
+
+@kernel(
+    "const f4[:,:,:], const u1[:,:], const i4[:,:,:], const f4[:,:], f4[:,:,:], i8, i8",
+    fastmath={"contract"},
+)
+def fade_seams(exemplar, usable, source, falloff, image, first, stop):  # type: ignore[no-untyped-def]
+    """Mix the pieces that meet near a pixel, each continued up to it; inside a piece the exemplar's pixel is copied.
+
+    ``falloff`` (2 r + 1, 2 r + 1) are the weights of the pixels around. Unlike a blur, this keeps the detail of each
+    piece. Pieces that cannot be continued up to the pixel are left out. Only the channels of ``image`` are written.
+    """
+    height, width = source.shape[0], source.shape[1]
+    radius = falloff.shape[0] // 2
+    channels = image.shape[2]
+    for y in range(first, stop):
+        for x in range(width):
+            here_y = source[y, x, 0]
+            here_x = source[y, x, 1]
+            total = np.float32(0)
+            mixed_pieces = False
+            for c in range(channels):
+                image[y, x, c] = 0
+            for down in range(-min(radius, y), min(radius, height - 1 - y) + 1):
+                for right in range(-min(radius, x), min(radius, width - 1 - x) + 1):
+                    ey = source[y + down, x + right, 0] - down
+                    ex = source[y + down, x + right, 1] - right
+                    if ey < 0 or ey >= usable.shape[0] or ex < 0 or ex >= usable.shape[1] or not usable[ey, ex]:
+                        continue
+                    weight = falloff[down + radius, right + radius]
+                    mixed_pieces |= ey != here_y or ex != here_x
+                    total += weight
+                    for c in range(channels):
+                        image[y, x, c] += weight * exemplar[ey, ex, c]
+            for c in range(channels):
+                image[y, x, c] = image[y, x, c] / total if mixed_pieces else exemplar[here_y, here_x, c]

@@ -1,0 +1,77 @@
+"""Nearest exemplar windows: exact, or PatchMatch from a good start."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex_nodes.numerics import search_kernels
+from graphtex_nodes.numerics.parallel import Work, for_rows
+
+Array = NDArray[np.float32]
+Field = NDArray[np.int32]
+
+EXACT_LIMIT = 1e8
+"""Multiply-adds up to which a search over all windows is done instead of PatchMatch (about 0.05 s)."""
+LIST_LIMIT = 4e9
+"""Multiply-adds of the first search of all; beyond that it sees a regular part of the exemplar's windows."""
+
+
+def exact_cost(windows: Array, exemplar: Array) -> float:
+    """Multiply-adds of an exact search."""
+    return float(windows[..., 0].size) * exemplar.size
+
+
+def search_exact(windows: Array, exemplar: Array, charge: Array, work: Work) -> tuple[Field, Array]:
+    """Best exemplar window for each window, by brute force.
+
+    Parameters
+    ----------
+    windows
+        Coordinates (rows, columns, k) of the windows that look for a source.
+    exemplar
+        Coordinates (h, w, k) of the exemplar's windows.
+    charge
+        Added to the squared distance (h, w); infinite where a window must not be used.
+
+    Returns
+    -------
+    field, costs
+        Row and column of the source, int32 (rows, columns, 2), and squared distance with charge (rows, columns).
+    """
+    rows, columns = windows.shape[:2]
+    places = np.argwhere(np.isfinite(charge)).astype(np.int32)
+    stride = int(np.ceil(exact_cost(windows, exemplar) / LIST_LIMIT))
+    places = np.ascontiguousarray(places[(stride - 1) // 2 :: stride])
+    field = np.zeros((rows, columns, 2), np.int32)
+    costs = np.empty((rows, columns), np.float32)
+
+    def band(first: int, stop: int) -> None:
+        search_kernels.search_listed(windows, exemplar, places, charge, field, costs, first, stop)
+
+    for_rows(band, rows, columns * len(places) * windows.shape[2] / 2, work)
+    return field, costs
+
+
+def search_warm(
+    windows: Array, exemplar: Array, charge: Array, field: Field, *, step: int, seed: int, passes: int, work: Work
+) -> tuple[Field, Array]:
+    """PatchMatch (Barnes et al. 2009) from the given field; parameters as :func:`search_exact`.
+
+    Departure: every window reads the field of the pass before (Jacobi) instead of its neighbours' new values, so the
+    result does not depend on the order of the work. The distance over which good sources spread is made up for by jumps
+    that halve from pass to pass.
+    """
+    rows, columns = field.shape[:2]
+    costs = np.empty((rows, columns), np.float32)
+    seeds = np.random.SeedSequence(seed).generate_state(passes, np.uint64)
+    reach = max(exemplar.shape[:2])
+    for number in range(passes):
+        before, field = field, np.empty_like(field)
+        jump = 1 << (passes - 1 - number)
+
+        def band(first: int, stop: int, before: Field = before, after: Field = field, jump: int = jump) -> None:
+            search_kernels.search_near(
+                windows, exemplar, charge, before, after, costs, step, jump, reach, seeds[number], first, stop
+            )
+
+        for_rows(band, rows, columns * 20 * windows.shape[2], work)
+    return field, costs

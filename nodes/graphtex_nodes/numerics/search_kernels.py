@@ -1,0 +1,106 @@
+"""Kernels that look for the nearest exemplar window."""
+
+import numpy as np
+from numba import njit
+
+from graphtex_nodes.numerics.jit import kernel
+
+
+@njit(inline="always")
+def mixed(value):  # type: ignore[no-untyped-def]
+    """SplitMix64's finaliser: 64 well-mixed bits of 64 bits."""
+    value = (value ^ (value >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    value = (value ^ (value >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return value ^ (value >> np.uint64(31))
+
+
+@njit(inline="always", fastmath={"contract", "reassoc", "nsz"})
+def distance(first, second):  # type: ignore[no-untyped-def]
+    """Squared distance of two vectors."""
+    total = np.float32(0)
+    for k in range(first.shape[0]):
+        difference = first[k] - second[k]
+        total += difference * difference
+    return total
+
+
+@kernel(
+    "const f4[:,:,:], const f4[:,:,:], const i4[:,:], const f4[:,:], i4[:,:,:], f4[:,:], i8, i8",
+    fastmath={"contract", "reassoc", "nsz"},
+)
+def search_listed(windows, exemplar, places, charge, field, costs, first, stop):  # type: ignore[no-untyped-def]
+    """Best of the listed exemplar windows for each window: brute force. The first of equals wins.
+
+    ``windows`` (rows, columns, k) and ``exemplar`` (h, w, k) are coordinates, ``places`` (n, 2) rows and columns of the
+    exemplar, ``charge`` (h, w) is added to the squared distance. Written: ``field`` and ``costs``.
+    """
+    for row in range(first, stop):
+        for column in range(windows.shape[1]):
+            best = np.float32(np.inf)
+            for index in range(places.shape[0]):
+                y = places[index, 0]
+                x = places[index, 1]
+                cost = charge[y, x] + distance(windows[row, column], exemplar[y, x])
+                if cost < best:
+                    best = cost
+                    field[row, column, 0] = y
+                    field[row, column, 1] = x
+            costs[row, column] = best
+
+
+@kernel(
+    "const f4[:,:,:], const f4[:,:,:], const f4[:,:], const i4[:,:,:], i4[:,:,:], f4[:,:], i8, i8, i8, u8, i8, i8",
+    fastmath={"contract", "reassoc", "nsz"},
+)
+def search_near(windows, exemplar, charge, before, field, costs, step, jump, reach, seed, first, stop):
+    # type: ignore[no-untyped-def]
+    """One pass of PatchMatch in Jacobi form: reads the field ``before``, writes ``field``; the order does not matter.
+
+    Candidates are the window's own source, the sources of the eight windows ``jump`` grid places away, shifted back,
+    and random places around the best, in squares whose half side falls from ``reach`` to 1. Random numbers are hashed
+    from the seed and the place. A window whose ``charge`` is infinite is never chosen.
+    """
+    height, width = exemplar.shape[0], exemplar.shape[1]
+    rows, columns = before.shape[0], before.shape[1]
+    for row in range(first, stop):
+        for column in range(columns):
+            y = before[row, column, 0]
+            x = before[row, column, 1]
+            window = windows[row, column]
+            best = charge[y, x] + distance(window, exemplar[y, x])
+            for down in range(-1, 2):
+                for right in range(-1, 2):
+                    other_row = row + down * jump
+                    other_column = column + right * jump
+                    if other_row < 0 or other_row >= rows or other_column < 0 or other_column >= columns:
+                        continue
+                    cy = before[other_row, other_column, 0] - down * jump * step
+                    cx = before[other_row, other_column, 1] - right * jump * step
+                    if cy < 0 or cy >= height or cx < 0 or cx >= width or (cy == y and cx == x):
+                        continue
+                    cost = charge[cy, cx]
+                    if cost < best:
+                        cost += distance(window, exemplar[cy, cx])
+                        if cost < best:
+                            best = cost
+                            y = cy
+                            x = cx
+            state = mixed(seed + np.uint64(row * columns + column) * np.uint64(0x9E3779B97F4A7C15))
+            radius = reach
+            while radius >= 1:
+                state = mixed(state + np.uint64(0x9E3779B97F4A7C15))
+                low = max(0, y - radius)
+                cy = low + np.int64((state & np.uint64(0xFFFFFFFF)) % np.uint64(min(height - 1, y + radius) - low + 1))
+                low = max(0, x - radius)
+                cx = low + np.int64((state >> np.uint64(32)) % np.uint64(min(width - 1, x + radius) - low + 1))
+                cost = charge[cy, cx]
+                if cost < best:
+                    cost += distance(window, exemplar[cy, cx])
+                    if cost < best:
+                        best = cost
+                        y = cy
+                        x = cx
+                radius //= 2
+            field[row, column, 0] = y
+            field[row, column, 1] = x
+            costs[row, column] = best

@@ -1,0 +1,61 @@
+"""The vote: an image from the windows' sources, by iteratively re-weighted least squares."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex_nodes.numerics import vote_kernels
+from graphtex_nodes.numerics.parallel import Work, for_rows
+
+Array = NDArray[np.float32]
+Field = NDArray[np.int32]
+
+FLOOR = 1e-3
+"""Distances below this share of the mean distance weigh no more than it: a perfect window must not silence the rest."""
+
+
+def robust_weights(costs: Array, exponent: float) -> Array:
+    """Weights ||x - e||^(r - 2) of windows with the given squared distances (Dong et al. 2008, eq. 6), mean 1."""
+    squared = np.maximum(costs, 0).astype(np.float64)
+    mean = float(squared.mean())
+    if mean <= 0:
+        return np.ones_like(costs)
+    weights = np.power(squared / mean + FLOOR, (exponent - 2) / 2)
+    return (weights / weights.mean()).astype(np.float32)
+
+
+def window_falloff(window: int, sharpness: float) -> Array:
+    """Weights (n, n) of the places in a window: Gaussian around its centre, at the middle of a side exp(-sharpness)."""
+    place = (np.arange(window) - (window - 1) / 2) / (window / 2)
+    line = np.exp(-sharpness * place**2)
+    return np.outer(line, line).astype(np.float32)
+
+
+def vote_mean(
+    field: Field, weights: Array, exemplar: Array, pixel_weights: Array, falloff: Array, step: int, image: Array,
+    channels: int, work: Work,
+) -> None:  # fmt: skip
+    """Write the weighted mean of what the covering windows propose into the first channels of ``image``.
+
+    ``field`` (rows, columns, 2) and ``weights`` (rows, columns) belong to the windows, ``pixel_weights`` (h, w) to the
+    pixels of ``exemplar`` (h, w, c), ``falloff`` (n, n) to the places in a window.
+    """
+
+    def band(first: int, stop: int) -> None:
+        vote_kernels.vote_mean(
+            field, weights, exemplar, pixel_weights, falloff, step, image, channels, first, stop
+        )  # fmt: skip
+
+    for_rows(band, image.shape[0], image.shape[1] * (len(falloff) / step) ** 2 * (5 + channels), work)
+
+
+def vote_source(
+    field: Field, weights: Array, exemplar: Array, falloff: Array, step: int, image: Array, work: Work
+) -> Field:
+    """Row and column of one exemplar pixel for each pixel of ``image``: the source that most windows agree on."""
+    source = np.empty((*image.shape[:2], 2), np.int32)
+
+    def band(first: int, stop: int) -> None:
+        vote_kernels.vote_source(field, weights, exemplar, falloff, image, step, source, first, stop)
+
+    for_rows(band, image.shape[0], image.shape[1] * (len(falloff) / step) ** 2 * 20, work)
+    return source

@@ -1,0 +1,169 @@
+"""Windows (square neighbourhoods) of images and their principal components."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex_nodes.numerics import window_kernels
+from graphtex_nodes.numerics.parallel import Work, for_rows
+
+Array = NDArray[np.float32]
+
+SAMPLES = 2048
+"""Windows from which a basis is made."""
+LARGEST_COVARIANCE = 512
+"""Rows of a covariance; larger windows are averaged over blocks of pixels first, their detail is left to smaller ones."""
+ROUNDS = 6
+"""Rounds of orthogonal iteration: the kept share of variance is then right to about 0.1 %."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Places of the windows on a canvas: corners at multiples of the step, the last one ends at the canvas's border."""
+
+    rows: int
+    columns: int
+    window: int
+    step: int
+
+    @property
+    def canvas(self) -> tuple[int, int]:
+        """Height and width of the canvas that the windows cover."""
+        return (self.rows - 1) * self.step + self.window, (self.columns - 1) * self.step + self.window
+
+    @staticmethod
+    def covering(height: int, width: int, window: int, step: int) -> "Grid":
+        """The smallest grid whose canvas holds (height, width)."""
+        rows = -(-max(0, height - window) // step) + 1
+        columns = -(-max(0, width - window) // step) + 1
+        return Grid(rows, columns, window, step)
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Directions (n * n * c, k) in which windows vary, and the coordinates (k,) of the mean window."""
+
+    window: int
+    directions: Array
+    mean: Array
+
+    def project(self, image: Array, step: int, work: Work) -> Array:
+        """Coordinates (rows, columns, k) of the windows of an image (h, w, c) at multiples of ``step``."""
+        height, width, channels = image.shape
+        shape = ((height - self.window) // step + 1, (width - self.window) // step + 1, self.mean.size)
+        out = np.empty(shape, np.float32)
+        flat = np.ascontiguousarray(image).reshape(height, width * channels)
+
+        def band(first: int, stop: int) -> None:
+            window_kernels.project(flat, channels, self.window, step, self.directions, self.mean, out, first, stop)
+
+        for_rows(band, shape[0], shape[1] * self.directions.size / 4, work)
+        return out
+
+
+def principal_basis(image: Array, window: int, groups: list[slice], variance: float, work: Work) -> Basis:
+    """Principal components of the windows of an image, for each group of channels apart.
+
+    Parameters
+    ----------
+    image
+        Shape (h, w, c).
+    window
+        Side of the windows in pixels.
+    groups
+        Channels that share components: colour and scale apart (Dong et al. 2008, section 4.2).
+    variance
+        Share of each group's variance that is kept, 0 to 1.
+
+    Notes
+    -----
+    The covariance of a regular subsample is summed in a fixed order and its leading directions are found by
+    orthogonal iteration without BLAS or LAPACK, whose results change with the number of threads.
+    """
+    channels = image.shape[2]
+    samples = _sample(image, window)
+    mean = samples.mean(axis=0, dtype=np.float64)
+    kept: list[NDArray[np.float64]] = []
+    for group in groups:
+        part = samples[:, :, :, group] - mean[:, :, group].astype(np.float32)
+        pool = _pool(window, part.shape[3])
+        part = _pooled(part, pool).reshape(len(samples), -1)
+        total = np.zeros((part.shape[1], part.shape[1]))
+        work.check()
+        window_kernels.add_products(part, total, 0, len(total))
+        total = np.tril(total) + np.tril(total, -1).T
+        leading = leading_directions(total / len(part), variance)
+        blocks = leading.reshape(window // pool, window // pool, -1, leading.shape[1]) / pool
+        spread = np.zeros((window, window, channels, leading.shape[1]))
+        spread[:, :, group] = blocks.repeat(pool, axis=0).repeat(pool, axis=1)
+        kept.append(spread.reshape(-1, leading.shape[1]))
+    directions = np.concatenate(kept, axis=1)
+    padding = -directions.shape[1] % 4  # whole vectors of four: faster, and zeros change no distance
+    directions = np.pad(directions, ((0, 0), (0, padding)))
+    offset = (mean.reshape(-1, 1) * directions).sum(axis=0)
+    return Basis(window, np.ascontiguousarray(directions, np.float32), offset.astype(np.float32))
+
+
+def _pool(window: int, channels: int) -> int:
+    """Side of the pixel blocks that large windows are averaged over, so that a covariance stays below 512 rows."""
+    pool = 1
+    while (window // pool) ** 2 * channels > LARGEST_COVARIANCE and window % (2 * pool) == 0:
+        pool *= 2
+    return pool
+
+
+def _pooled(samples: Array, pool: int) -> Array:
+    """Windows (n, w, w, c) in the orthonormal basis of constant blocks: (n, w / pool, w / pool, c)."""
+    count, window, _, channels = samples.shape
+    size = window // pool
+    blocks = samples.reshape(count, size, pool, size, pool, channels)
+    return np.ascontiguousarray(blocks.sum(axis=(2, 4)) / np.float32(pool))
+
+
+def _sample(image: Array, window: int) -> Array:
+    """At most about ``SAMPLES`` windows (n, window, window, c), spread evenly and aperiodically."""
+    views = np.lib.stride_tricks.sliding_window_view(image, (window, window), axis=(0, 1))
+    rows, columns = views.shape[:2]
+    count = min(rows * columns, SAMPLES)
+    places = (np.arange(count) * (rows * columns) // count).astype(np.int64)
+    return np.ascontiguousarray(np.moveaxis(views[places // columns, places % columns], 1, -1), np.float32)
+
+
+def leading_directions(covariance: NDArray[np.float64], variance: float, largest: int = 48) -> NDArray[np.float64]:
+    """Orthonormal columns that keep the wanted share of a covariance, by orthogonal iteration.
+
+    At least one column, at most ``largest``. Columns come in the order of falling variance but need not be the
+    eigenvectors themselves: distances within their span are the same.
+    """
+    size = len(covariance)
+    columns = min(size, largest)
+    trace = float(np.trace(covariance))
+    order = np.argsort(-np.diag(covariance), kind="stable")
+    basis = np.zeros((size, columns))
+    basis[order[:columns], np.arange(columns)] = 1.0
+    basis += np.cos(np.outer(np.arange(1, size + 1), np.arange(1, columns + 1)) * 2.399963) / size
+    if trace <= 0:
+        return _orthonormal(basis[:, :1])
+    for _ in range(ROUNDS):
+        basis = _orthonormal(np.einsum("ij,jk->ik", covariance, basis))
+    kept = (basis * np.einsum("ij,jk->ik", covariance, basis)).sum(axis=0)
+    share = np.cumsum(kept) / trace
+    return basis[:, : int(np.searchsorted(share, variance)) + 1]
+
+
+def _orthonormal(columns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Modified Gram-Schmidt, twice over; columns that vanish are left out."""
+    for _ in range(2):
+        rest = columns.T.copy()
+        sizes = np.sqrt((rest * rest).sum(axis=1))
+        kept = []
+        for index, row in enumerate(rest):
+            size = np.sqrt((row * row).sum())
+            if size > 1e-10 * sizes[index] and size > 0:
+                row /= size
+                kept.append(index)
+                later = rest[index + 1 :]
+                later -= (later * row).sum(axis=1)[:, None] * row
+        columns = rest[kept].T
+    return columns
