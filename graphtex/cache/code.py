@@ -68,13 +68,25 @@ def _digest(sources: Sources) -> CodeDigest:
         source = sources.find(name)
         if source is None:
             digests[name] = MISSING
-        elif source.path is not None and source.path.name.endswith(tuple(EXTENSION_SUFFIXES)):
-            digests[name] = file_digest(source.path)
-        elif source.path is not None or source.text is not None:
-            syntax = _syntax(source)
+        elif _has_text(source):
+            syntax = resolver.syntax(source)
             digests[name] = syntax.digest
             ahead += sorted(resolver.dependencies(syntax))
+        elif source.path is not None:
+            digests[name] = _binary_digest(source.path)
     return CodeDigest.of(digests, resolver.others)
+
+
+def _has_text(source: Source) -> bool:
+    """Tell whether a module is Python text: neither a namespace package nor compiled."""
+    return source.path is not None and not source.path.name.endswith(tuple(EXTENSION_SUFFIXES))
+
+
+def _binary_digest(path: Path) -> str:
+    try:
+        return file_digest(path)
+    except OSError as error:
+        raise BadSource(f"{path}: cannot be read: {error.strerror or error}") from error
 
 
 def _syntax(source: Source) -> Syntax:
@@ -114,18 +126,29 @@ def _parse(source: Source, path: Path) -> Syntax:
 
 
 class _Resolver:
-    """Finds the own modules that imports lead to; collects the top-level names of others."""
+    """Finds the own modules that imports lead to; collects the top-level names of others. For one digest."""
 
     def __init__(self, sources: Sources) -> None:
         self._sources = sources
         self.others: set[str] = set()
+        self._syntax: dict[str, Syntax] = {}
+        self._exports: dict[str, frozenset[str]] = {}
+        self._found: dict[tuple[str, tuple[str, ...]], set[str]] = {}
+
+    def syntax(self, source: Source) -> Syntax:
+        """Return what a module says; the same all through this digest."""
+        if source.name not in self._syntax:
+            self._syntax[source.name] = _syntax(source)
+        return self._syntax[source.name]
 
     def dependencies(self, syntax: Syntax) -> set[str]:
         """Return the modules that all imports of a module lead to."""
         found: set[str] = set()
         for item in syntax.imports:
-            for module, chain in _references(item, syntax):
-                found |= self._resolve(module, chain, set())
+            for reference in _references(item, syntax):
+                if reference not in self._found:
+                    self._found[reference] = self._resolve(*reference, set())
+                found |= self._found[reference]
         return found
 
     def _resolve(self, module: str, chain: tuple[str, ...], seen: set[tuple[str, tuple[str, ...]]]) -> set[str]:
@@ -143,7 +166,7 @@ class _Resolver:
         submodule = f"{module}.{name}"
         if source.path is None:  # a namespace package has nothing but submodules
             return self._resolve(submodule, rest, seen)
-        syntax = _syntax(source)
+        syntax = self.syntax(source)
         bound = self._bound(module, syntax, name, rest, seen)
         if bound is not None:
             return bound
@@ -166,19 +189,26 @@ class _Resolver:
                 found |= self._resolve(item.local if whole else item.module, rest, seen)
             else:
                 found |= self._resolve(item.module, (item.name, *rest), seen)
-        starred = [star for star in syntax.stars if self._provides(star, name, set())]
+        starred = [star for star in syntax.stars if name in self._exported(star)]
         for star in starred:
             found |= self._resolve(star, (name, *rest), seen)
         return found if binders or starred else None
 
-    def _provides(self, module: str, name: str, seen: set[str]) -> bool:
-        """Tell whether ``from module import *`` may bind a name."""
-        source = self._sources.find(module) if module not in seen and self._sources.is_own(module) else None
-        seen.add(module)
-        if source is None or source.path is None or source.path.suffix != ".py":
-            return False
-        syntax = _syntax(source)
-        return name in syntax.bindings or any(self._provides(star, name, seen) for star in syntax.stars)
+    def _exported(self, module: str) -> frozenset[str]:
+        """Return all names that ``from module import *`` may bind."""
+        if module not in self._exports:
+            names: set[str] = set()
+            ahead, seen = [module], {module}
+            while ahead:
+                name = ahead.pop()
+                source = self._sources.find(name) if self._sources.is_own(name) else None
+                if source is not None and _has_text(source):
+                    syntax = self.syntax(source)
+                    names |= syntax.bindings.keys()
+                    ahead += [star for star in syntax.stars if star not in seen]
+                    seen.update(syntax.stars)
+            self._exports[module] = frozenset(names)
+        return self._exports[module]
 
     def _on_demand(self, module: str, syntax: Syntax) -> set[str]:
         """Return the submodules that a package's ``__getattr__`` may import: all that a string in it names."""
@@ -186,7 +216,7 @@ class _Resolver:
         return {
             name
             for name in named
-            if name.replace(".", "_").isidentifier()
+            if all(part.isidentifier() for part in name.split("."))
             and self._sources.is_own(name)
             and self._sources.find(name) is not None
         }

@@ -190,7 +190,7 @@ def _item_type(type_name: str, item: Any) -> str:
         return "Gap"
     if type_name.startswith("list[") and type_name.endswith("]"):
         return type_name[5:-1]
-    return f"{type_name}[]"
+    return type(item).__name__ if isinstance(item, tuple) else f"{type_name}[]"
 
 
 def _field_type(type_name: str, key: str, item: Any) -> str:

@@ -129,6 +129,7 @@ def _top_level(name: str) -> Source | None:
 
 def _in_folders(name: str, last: str, folders: tuple[str, ...]) -> Source | None:
     """Look a module up as the import system does, but always at the disk as it is now, not at a cached listing."""
+    portions = []
     for folder in folders:
         package = Path(folder, last)
         if (package / "__init__.py").is_file():
@@ -137,8 +138,13 @@ def _in_folders(name: str, last: str, folders: tuple[str, ...]) -> Source | None
             module = Path(folder, last + suffix)
             if module.is_file():
                 return Source(name, module)
-    spec = importlib.machinery.PathFinder.find_spec(name, list(folders))  # zip archives, namespace packages
-    return None if spec is None else _from_spec(name, spec)
+        if package.is_dir():
+            portions.append(str(package))
+        elif not Path(folder).is_dir():  # a zip archive, or a folder in one
+            spec = importlib.machinery.PathFinder.find_spec(name, [folder])
+            if spec is not None:
+                return _from_spec(name, spec)
+    return Source(name, None, tuple(portions)) if portions else None  # a namespace package
 
 
 def _from_spec(name: str, spec: importlib.machinery.ModuleSpec) -> Source | None:
@@ -148,7 +154,8 @@ def _from_spec(name: str, spec: importlib.machinery.ModuleSpec) -> Source | None
         return Source(name, None, locations) if locations else None
     if path.is_file():
         return Source(name, path, locations)
-    text = spec.loader.get_source(name) if isinstance(spec.loader, importlib.abc.InspectLoader) else None
+    get_source = getattr(spec.loader, "get_source", None)
+    text = None if get_source is None else get_source(name)
     return None if text is None else Source(name, path, locations, text)
 
 
