@@ -167,7 +167,7 @@ def _drawing(points: NDArray[np.float64]) -> tuple[Bytes, NDArray[np.float64]]:
     low = points.min(axis=0) if len(points) else np.zeros(2)
     extent = (points.max(axis=0) if len(points) else np.zeros(2)) - low
     factor = (_CANVAS - 2 * margin) / max(float(extent.max()), 1e-12) if extent.any() else 1.0
-    width, height = (np.ceil(extent * factor + 2 * margin)).astype(int)
+    width, height = np.ceil((extent * factor + 2 * margin).round(6)).astype(int)
     return np.full((height, width, 3), 255, np.uint8), (points - low) * factor + margin
 
 

@@ -70,6 +70,8 @@ def decode(path: Path) -> Decoded:
     name = sniff(head)
     if name is None:
         raise ValueError(f"{path}: not a picture in a known format ({', '.join(READABLE)})")
+    if name == "PNG" and len(head) >= 24:
+        _refuse_huge(path, *struct.unpack(">II", head[16:24]))
     if name == "NumPy":
         found = _decode_numpy(path)
     elif name in ("TIFF", "OpenEXR", "Radiance HDR") or (name == "PNG" and head[24:25] == b"\x10"):
@@ -153,7 +155,7 @@ def _decode_deep(path: Path, name: str) -> Decoded:
 
     found = _read_oiio(oiio, path, name, raw=False)
     if found.cmyk:  # read again as ink: OpenImageIO's own conversion knows no profile
-        return replace(_read_oiio(oiio, path, name, raw=True), cmyk=True, colours=4, alpha=-1)
+        return replace(_read_oiio(oiio, path, name, raw=True), cmyk=True, colours=4, alpha=-1, premultiplied=False)
     return found
 
 
@@ -168,7 +170,10 @@ def _read_oiio(oiio: Any, path: Path, name: str, *, raw: bool) -> Decoded:
         spec = file.spec()
         _refuse_huge(path, spec.width, spec.height)
         _refuse_channels(path, spec.nchannels)
-        samples = file.read_image(0, 0, 0, spec.nchannels, "unknown")
+        if name == "TIFF" and str(spec.format) == "double":
+            samples = _tiff_doubles(path)
+        else:
+            samples = file.read_image(0, 0, 0, spec.nchannels, "unknown")
         if samples is None:
             raise ValueError(f"{path}: damaged or cut off: {_one_line(file.geterror())}")
     finally:
@@ -192,6 +197,19 @@ def _read_oiio(oiio: Any, path: Path, name: str, *, raw: bool) -> Decoded:
         profile=None if profile is None else bytes(np.asarray(profile, np.uint8)),
         foreign_primaries=_foreign(spec.getattribute("chromaticities")),
     )
+
+
+def _tiff_doubles(path: Path) -> NDArray[np.float64]:
+    """Samples of a TIFF of doubles: of one row or in tiles, OpenImageIO 3.2 gives memory that it never wrote."""
+    import tifffile
+
+    try:
+        with tifffile.TiffFile(path) as file:
+            page = file.pages.first
+            samples: NDArray[np.float64] = page.asarray()
+            return np.moveaxis(samples, 0, -1) if samples.ndim == 3 and page.planarconfig == 2 else samples
+    except (*_DAMAGED, tifffile.TiffFileError) as error:
+        raise ValueError(f"{path}: damaged, cut off, or compressed in a way not known: {_one_line(error)}") from error
 
 
 def _foreign(chromaticities: Any) -> bool:

@@ -113,8 +113,7 @@ def write_deep(samples: NDArray[Any], path: Path, *, srgb: bool = False, data: b
         spec.attribute("DateTime", _NO_DATE)
     else:
         spec.attribute("oiio:UnassociatedAlpha", 1)
-        if srgb:
-            spec.attribute("oiio:ColorSpace", "srgb_rec709_scene")
+        spec.attribute("oiio:ColorSpace", "srgb_rec709_scene" if srgb else "data")
     file = oiio.ImageOutput.create(str(path))
     if file is None:
         raise OSError(f"{path}: {oiio.geterror()}")

@@ -137,3 +137,15 @@ def _either(items: Sequence[object]) -> str:
     if len(items) > 4 and all(isinstance(item, int) for item in items):
         return f"{items[0]} to {items[-1]}"
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
+
+
+def table() -> str:
+    """Return what each format holds as a table in Markdown."""
+    rows = ["| format | files | depth (first: default) | channels | lossless | remarks |", "|---|---|---|---|---|---|"]
+    for entry in FORMATS:
+        depths = ", ".join(depth_name(depth) for depth in entry.depths) or "its own"
+        lossless = "yes" if entry.lossless else "no"
+        remarks = "; ".join(filter(None, ["linear light" if entry.linear else "", entry.note]))
+        channels = _either(entry.channels)
+        rows.append(f"| {entry.name} | {' '.join(entry.suffixes)} | {depths} | {channels} | {lossless} | {remarks} |")
+    return "\n".join(rows)
