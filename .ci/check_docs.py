@@ -1,8 +1,9 @@
-"""Runs every command of the documentation, so that none of them goes stale.
+"""Runs every command and example of the documentation, so that none of them goes stale.
 
-Each ``sh`` block of the Markdown files is run line by line in a fresh copy of the project, with the commands of the
-Python that runs this script. Lines that install something are passed over: CI has installed the project by the same
-files. The README's second command, which runs the tests, is printed on request and run by CI itself.
+Python blocks are run, and YAML blocks that are whole graphs. Each ``sh`` block of the Markdown files is run in a
+fresh copy of the project, with the commands of the Python that runs this script. Commands that install something are
+passed over: CI has installed the project by the same files. The README's command that runs the tests is printed on
+request and run by CI itself.
 """
 
 import re
@@ -16,9 +17,22 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
-def blocks(page: Path) -> list[str]:
-    """Return the ``sh`` blocks of a page."""
-    return re.findall(r"^```sh\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+def blocks(page: Path, kind: str = "sh") -> list[str]:
+    """Return the blocks of one kind of a page."""
+    return re.findall(rf"^```{kind}\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+
+
+def scripts(page: Path, folder: Path) -> list[str]:
+    """Return what is to be run of a page, as shell scripts; Python and YAML blocks are put into files in `folder`."""
+    found = ["\n".join(command_lines(block)) for block in blocks(page)]
+    python = "\n".join(blocks(page, "python"))
+    if python:
+        (folder / "example.py").write_text(python, encoding="utf-8")
+        found.append("python example.py")
+    for index, block in enumerate(block for block in blocks(page, "yaml") if block.startswith("graphtex:")):
+        (folder / f"example-{index}.yaml").write_text(block, encoding="utf-8")
+        found.append(f"graphtex run example-{index}.yaml --out example-out --quiet")
+    return [script for script in found if script]
 
 
 def test_command() -> str:
@@ -53,16 +67,13 @@ def main() -> None:
             copy = Path(folder) / "graphtex"
             ignore = shutil.ignore_patterns(".git", ".venv", ".ci-venv", "*_cache", "__pycache__", "graphtex-out")
             shutil.copytree(ROOT, copy, ignore=ignore)
-            for block in blocks(page):
-                script = "\n".join(command_lines(block))
-                if not script:
-                    continue
+            for script in scripts(page, copy):
                 print(f"-- {page.relative_to(ROOT)}:\n{script}", flush=True)
                 done = subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=copy, check=False)
                 if done.returncode:
                     sys.exit(f"{page.relative_to(ROOT)}: status {done.returncode}")
                 count += 1
-    print(f"{count} blocks of commands ran")
+    print(f"{count} blocks ran")
 
 
 if __name__ == "__main__":
