@@ -119,7 +119,7 @@ def find_opener(kind: SocketType, text: str) -> tuple[Opener, str]:
                 return entry, rest
         known = [f"{entry.scheme}:" for entry in mine if entry.scheme]
         raise ValueError(
-            f"nothing opens {scheme!r}: as {kind.name}{did_you_mean(f'{scheme}:', known, label='schemes')}"
+            f"nothing opens {scheme + ':'!r} as {kind.name}{did_you_mean(f'{scheme}:', known, label='schemes')}"
         )
     suffix = Path(text).suffix.lower()
     for entry in mine:

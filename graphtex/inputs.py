@@ -1,6 +1,7 @@
 """Values of graph inputs: do they fit the input's type, range and choices, and what do path patterns mean."""
 
 import glob
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -95,14 +96,25 @@ def check_openable(kind: ValueType, text: Any) -> None:
     find_opener(kind.base, text)
 
 
-def check_default(kind: Input) -> None:
-    """Raise ValueError if an input's default does not fit the input itself."""
+def default_faults(kind: Input) -> list[tuple[tuple[int, ...], str]]:
+    """Return how an input's default does not fit the input itself: the item's index in a list, and a message."""
     inner, many = split_type(kind.type)
-    if inner in SCALAR_TYPES:
-        check_scalar(kind, kind.default)
-        return
-    value_type = parse_type(kind.type)
-    if many and isinstance(kind.default, str):
-        return  # a folder or a pattern, read when the graph is run
-    for item in kind.default if many and isinstance(kind.default, list) else [kind.default]:
-        check_openable(value_type, item)
+    if not many or not isinstance(kind.default, list):
+        if many and inner in TYPES and isinstance(kind.default, str):
+            return []  # a folder or a pattern, read when the graph is run
+        return _faults_of_item(kind, inner, kind.default, ())
+    single = replace(kind, type=inner)
+    return [
+        fault for index, item in enumerate(kind.default) for fault in _faults_of_item(single, inner, item, (index,))
+    ]
+
+
+def _faults_of_item(kind: Input, inner: str, value: Any, place: tuple[int, ...]) -> list[tuple[tuple[int, ...], str]]:
+    try:
+        if inner in SCALAR_TYPES:
+            check_scalar(kind, value)
+        else:
+            check_openable(parse_type(kind.type), value)
+    except ValueError as error:
+        return [(place, str(error))]
+    return []

@@ -93,11 +93,17 @@ def entry_signature(graph: Graph, path: Place, entry: Entry, chain: Chain = ()) 
 def included(graph: Graph, path: Place, entry: Entry, chain: Chain) -> Graph:
     """Read the graph file that an entry includes; GraphError if it is missing, wrong or includes itself."""
     place = (*path, "graph")
-    file = (graph.base / entry.graph).resolve()
+    if not entry.graph:
+        raise GraphError([])  # told at the entry
+    try:
+        file = (graph.base / entry.graph).resolve()
+        exists = file.is_file()
+    except (OSError, ValueError) as error:  # a name that no file can have
+        raise GraphError([graph.problem(place, f"there is no graph file {shorten(entry.graph)}: {error}")]) from None
     if file in (*chain, _key(graph)):
         names = " -> ".join(step.name for step in (*chain, _key(graph), file) if step.name)
         raise GraphError([graph.problem(place, f"graph files include each other in a circle: {names}")])
-    if not file.is_file():
+    if not exists:
         near = (
             did_you_mean(file.name, [p.name for p in file.parent.glob("*.yaml")], label="files")
             if file.parent.is_dir()
@@ -166,7 +172,10 @@ def reference_type(graph: Graph, path: Place, source: Reference, chain: Chain = 
             raise GraphError(
                 [graph.problem(path, f"${source.name} is {kind.type}, which feeds parameters and no sockets")]
             )
-        return parse_type(kind.type)
+        try:
+            return parse_type(kind.type)
+        except ValueError:
+            raise GraphError([]) from None  # told at the input
     entry = graph.nodes.get(source.node)
     if entry is None:
         hint = did_you_mean(source.node, graph.nodes, label="nodes")

@@ -5,7 +5,7 @@ A part that is wrong is left out or left empty, so that the rest can still be ch
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -68,7 +68,10 @@ class _Reader:
     def document(self, data: Any) -> Graph | None:
         if not isinstance(data, dict):
             got = "an empty file" if data is None else described(data)
-            self.say((), f"a graph file is a mapping that begins with `graphtex: {FORMAT}`, got {got}{_colon(data)}")
+            self.say(
+                (),
+                f"a graph file is a mapping that begins with `graphtex: {FORMAT}`, got {got}{_colon(data, DOCUMENT)}",
+            )
             return None
         version = data.get("graphtex")
         if "graphtex" not in data:
@@ -102,19 +105,19 @@ class _Reader:
         if value is None:  # nothing below the key yet
             return []
         if not isinstance(value, dict):
-            dash = "; write the name in place of the '-'" if isinstance(value, list) else _colon(value)
+            dash = "; write the name in place of the '-'" if isinstance(value, list) else ""
             self.say((name,), f"expected a mapping, `{SECTIONS[name]}`, got {described(value)}{dash}")
             return []
         for key in value:
             if not NAME.fullmatch(key):
                 message = f"a name is letters, digits, _ and -, and begins with a letter or _; got {key!r}"
-                self.say((name, key), message + _colon(key if value[key] is None else ""), key=True)
+                self.say((name, key), message, key=True)
         return [(key, (name, key), item) for key, item in value.items()]
 
     def _known_keys(self, path: Place, data: dict[str, Any], known: tuple[str, ...]) -> None:
         for key in data:
             if key not in known:
-                hint = _colon(key) if data[key] is None and ":" in key else did_you_mean(key, known, label="keys")
+                hint = _colon(key, known) or did_you_mean(key, known, label="keys")
                 self.say((*path, key), f"unknown key {key!r}{hint}", key=True)
 
     def _text(self, path: Place, data: dict[str, Any], key: str) -> str:
@@ -135,7 +138,7 @@ class _Reader:
 
     def _input(self, path: Place, value: Any) -> Input:
         if not isinstance(value, dict):
-            self.say(path, f"expected a mapping, `{{type: Image}}`, got {described(value)}{_colon(value)}")
+            self.say(path, f"expected a mapping, `{{type: Image}}`, got {described(value)}{_colon(value, INPUT)}")
             return Input("")
         self._known_keys(path, value, INPUT)
         kind = value.get("type", "")
@@ -162,7 +165,7 @@ class _Reader:
 
     def _entry(self, path: Place, value: Any) -> Entry:
         if not isinstance(value, dict):
-            hint = _colon(value)
+            hint = _colon(value, RESERVED)
             if isinstance(value, str) and NAME.fullmatch(value):
                 hint = f"; write {{node: {value}}}"
             self.say(path, f"expected a mapping, `{{node: FeatureMask, ...}}`, got {described(value)}{hint}")
@@ -179,7 +182,7 @@ class _Reader:
         if "node" not in value and "graph" not in value:
             glued = next((key for key in value if key.startswith(("node:", "graph:"))), "")
             near = get_close_matches("node", value, n=1) or [key for key in ("type", "class", "op") if key in value]
-            hint = _colon(glued) if glued else _instead(near)
+            hint = _colon(glued, RESERVED) if glued else _instead(near)
             self.say(path, f"expected `node: <name>` or `graph: <file>`, got neither{hint}")
         each = value.get("each", {})
         if not isinstance(each, dict):
@@ -215,10 +218,10 @@ class _Reader:
         return Output(source, file, options) if isinstance(source, str) and source else None
 
 
-def _colon(value: Any) -> str:
-    """Return a hint if a text looks like a key whose colon lacks its space."""
-    name, colon, rest = value.partition(":") if isinstance(value, str) else ("", "", "")
-    if colon and rest and NAME.fullmatch(name):
+def _colon(value: Any, known: Iterable[str]) -> str:
+    """Return a hint if a text looks like one of the known keys whose colon lacks its space."""
+    name, _, rest = value.partition(":") if isinstance(value, str) else ("", "", "")
+    if rest and name in known:
         return f"; a space is needed after the colon: `{name}: {rest:.40}`"
     return ""
 

@@ -92,6 +92,7 @@ def parse(text: str, file: str = "") -> Tree:
             pass
         finally:
             loader.dispose()
+            tree.places.setdefault((), (1, 1))
     return tree
 
 

@@ -1,0 +1,93 @@
+"""Checks the two ends of a graph: its inputs and its outputs."""
+
+import re
+from dataclasses import replace
+from pathlib import PurePosixPath
+
+from graphtex import links
+from graphtex.errors import GraphError, Problem
+from graphtex.graph import REQUIRED, Graph, Input, Output, Place
+from graphtex.handlers import DEFAULT_SUFFIX, find_writer
+from graphtex.inputs import check_scalar, default_faults, split_type
+from graphtex.links import Chain
+from graphtex.parameters import validate
+
+
+def input_problems(graph: Graph) -> list[Problem]:
+    """Return what is wrong with the types, ranges, choices and defaults of a graph's inputs."""
+    problems = []
+    for name, kind in graph.inputs.items():
+        place: Place = ("inputs", name)
+        try:
+            inner, _ = split_type(kind.type)
+        except ValueError as error:
+            where = (*place, "type") if (*place, "type") in graph.places or kind.type else place
+            problems.append(graph.problem(where, str(error)))
+            continue
+        problems += _bound_problems(graph, place, kind, inner)
+        if kind.min is not None and kind.max is not None and kind.min > kind.max:
+            problems.append(graph.problem((*place, "min"), f"min {kind.min:g} is above max {kind.max:g}"))
+        elif kind.default is not REQUIRED:
+            problems += [graph.problem((*place, "default", *at), text) for at, text in default_faults(kind)]
+    return problems
+
+
+def _bound_problems(graph: Graph, place: Place, kind: Input, inner: str) -> list[Problem]:
+    problems = []
+    for key in ("min", "max"):
+        if getattr(kind, key) is not None and inner not in ("int", "float", "data"):
+            problems.append(graph.problem((*place, key), f"{key} is for numbers, not for {kind.type}", key=True))
+    if kind.choices is not None and not links.is_scalar(kind):
+        problems.append(
+            graph.problem((*place, "choices"), f"choices are for parameters, not for {kind.type}", key=True)
+        )
+    elif kind.choices is not None:
+        for index, choice in enumerate(kind.choices):
+            try:
+                check_scalar(replace(kind, type=inner, choices=None), choice)
+            except ValueError as error:
+                problems.append(graph.problem((*place, "choices", index), str(error)))
+    return problems
+
+
+def output_problems(graph: Graph, chain: Chain) -> list[Problem]:
+    """Return what is wrong with a graph's outputs, their files and formats."""
+    problems = []
+    written: dict[str, str] = {}
+    for name, output in graph.outputs.items():
+        problems += _output_problems(graph, ("outputs", name), output, chain)
+        if output.file is not None:
+            first = written.setdefault(str(PurePosixPath(output.file)), name)
+            if first != name:
+                told = f"{output.file} is written by the output {first} too"
+                problems.append(graph.problem(("outputs", name, "file"), told))
+    return problems
+
+
+def _output_problems(graph: Graph, path: Place, output: Output, chain: Chain) -> list[Problem]:
+    place = (*path, "from") if (*path, "from") in graph.places else path
+    problems = []
+    if output.file is not None and _leaves_the_folder(output.file):
+        told = f"expected a file inside of the output folder, which the run chooses; got {output.file!r}"
+        problems.append(graph.problem((*path, "file"), told))
+    try:
+        kind = links.reference_type(graph, place, links.reference(graph, place, output.source), chain)
+    except GraphError as error:
+        return [*problems, *error.problems]
+    suffix = PurePosixPath(output.file).suffix if output.file else DEFAULT_SUFFIX.get(kind.base.name)
+    if suffix is None:
+        return problems  # a type that is handed back but never written
+    try:
+        entry = find_writer(kind.base, suffix)
+    except ValueError as error:
+        return [*problems, graph.problem((*path, "file") if output.file else place, str(error))]
+    for where, text in validate(entry.options, output.options)[1]:
+        unknown = text.startswith("unknown parameter")
+        told = text.replace("parameter", "option") if unknown else text
+        problems.append(graph.problem((*path, *where), told, key=unknown))
+    return problems
+
+
+def _leaves_the_folder(file: str) -> bool:
+    parts = re.split(r"[/\\]", file)
+    return parts[0] == "" or ".." in parts or re.match("[A-Za-z]:", file) is not None or "\0" in file

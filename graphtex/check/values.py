@@ -1,0 +1,93 @@
+"""What parameters accept and what graph inputs give, as JSON types; inputs in places where none is read."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from graphtex import links
+from graphtex.errors import GraphError, Problem, did_you_mean
+from graphtex.graph import Graph, Input, Place
+from graphtex.inputs import split_type
+from graphtex.links import FromInput, Signature
+from graphtex.parameters import JSON_TYPES, json_types
+
+_GIVES = {"int": {"integer"}, "float": {"number"}, "str": {"string"}, "file": {"string"}, "bool": {"boolean"}}
+
+
+def accepted(signature: Signature, key: str) -> frozenset[str]:
+    """Return the JSON types that a parameter of a node or a scalar input of a graph accepts."""
+    if signature.model is not None:
+        return json_types(signature.model, key)
+    assert signature.graph is not None
+    given = _given(signature.graph.inputs[key].type)
+    return given | {"integer"} if "number" in given else given
+
+
+def _given(kind: str) -> frozenset[str]:
+    inner, many = split_type(kind)
+    return frozenset({"array"}) if many else frozenset(_GIVES.get(inner, JSON_TYPES))
+
+
+def scalar_input(graph: Graph, path: Place, source: FromInput) -> Input:
+    """Return the graph input that feeds a parameter; GraphError if there is none or it is no scalar."""
+    kind = graph.inputs.get(source.name)
+    if kind is None:
+        hint = did_you_mean(source.name, graph.inputs, label="inputs")
+        raise GraphError([graph.problem(path, f"unknown graph input ${source.name}{hint}")])
+    _require_known(kind)
+    if not links.is_scalar(kind):
+        told = f"${source.name} is {kind.type}, which flows into sockets and no parameters"
+        raise GraphError([graph.problem(path, told)])
+    return kind
+
+
+def scalar_default(graph: Graph, path: Place, source: FromInput, signature: Signature, key: str) -> Any:
+    """Return the default of the input that feeds a parameter; GraphError if their types do not fit."""
+    kind = scalar_input(graph, path, source)
+    wanted = accepted(signature, key)
+    if not _given(kind.type) & wanted:
+        told = f"${source.name} is {kind.type}, {key} takes {' or '.join(sorted(wanted - {'null'}))}"
+        raise GraphError([graph.problem(path, told)])
+    return kind.default
+
+
+def item_problem(graph: Graph, place: Place, source: FromInput, signature: Signature, key: str) -> list[Problem]:
+    """Tell if a list input, ranged over by `each`, does not fit an argument."""
+    kind = graph.inputs.get(source.name)
+    if kind is None:
+        hint = did_you_mean(source.name, graph.inputs, label="inputs")
+        return [graph.problem(place, f"unknown graph input ${source.name}{hint}")]
+    try:
+        inner, many = split_type(kind.type)
+    except ValueError:
+        return []  # told at the input
+    name = f"${source.name} is {kind.type}"
+    if not many:
+        return [graph.problem(place, f"each ranges over lists; {name}")]
+    if key in signature.sockets:
+        wanted = f"list[{signature.sockets[key].type}]"
+        return [] if kind.type == wanted else [graph.problem(place, f"expected {wanted}; {name}")]
+    wanted_types = frozenset({"integer"}) if key == "seed" else accepted(signature, key)
+    if not links.is_scalar(kind) or not _given(inner) & wanted_types:
+        shown = " or ".join(sorted(wanted_types - {"null"}))
+        return [graph.problem(place, f"{name}, {key} takes {shown}")]
+    return []
+
+
+def _require_known(kind: Input) -> None:
+    try:
+        split_type(kind.type)
+    except ValueError:
+        raise GraphError([]) from None  # told at the input
+
+
+def dollars(value: Any, path: Place) -> Iterator[tuple[Place, str]]:
+    """Yield the texts inside of a value that look like graph inputs, which only a whole argument can be."""
+    if isinstance(value, str) and value.startswith("$") and not value.startswith("$$"):
+        told = f"{value} inside of a value: a graph input can only be a whole argument; a plain dollar is written $$"
+        yield path, told
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            yield from dollars(item, (*path, index))
+    elif isinstance(value, dict):
+        for key, item in value.items():
+            yield from dollars(item, (*path, key))

@@ -1,0 +1,21 @@
+import sys
+
+import pytest
+
+from graphtex.packs import Registry, nodes_of
+from tests.graphtex import pack
+
+
+def make_only_pack(patch):
+    """Make the nodes of `tests.graphtex.pack` the only ones at hand, wherever the registry is asked for."""
+    nodes = nodes_of(pack)
+    small = Registry(nodes, dict.fromkeys(nodes, "pack"), ())
+    for name in ("packs", "links", "check", "schema"):
+        __import__(f"graphtex.{name}")
+        patch.setattr(sys.modules[f"graphtex.{name}"], "registry", lambda: small)
+    return small
+
+
+@pytest.fixture
+def small_pack(monkeypatch):
+    return make_only_pack(monkeypatch)
