@@ -8,7 +8,6 @@ import os
 import re
 import shutil
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,19 +80,7 @@ class _Entry:
 
 def disk_use(store: Store, index: Index) -> int:
     """Return the bytes of all objects and records."""
-    return sum(size for size, _ in sizes([*index.paths(), *store.paths()]).values())
-
-
-def sizes(paths: Iterable[Path]) -> dict[Path, tuple[int, int]]:
-    """Return (bytes, last use in ns) of the files that are still there."""
-    found = {}
-    for path in paths:
-        try:
-            status = path.stat()
-        except OSError:
-            continue
-        found[path] = status.st_size, status.st_mtime_ns
-    return found
+    return sum(size for size, _ in (index.files() | store.files()).values())
 
 
 def prune(store: Store, index: Index, limit: int) -> Pruned:
@@ -105,8 +92,8 @@ def prune(store: Store, index: Index, limit: int) -> Pruned:
     remove_left_over(store.scratch, now)
     since = protected_since(store.scratch.parent, now)
     pinned_from = float("inf") if since is None else since * 1e9
-    records = sizes(index.paths())
-    objects = sizes(store.paths())  # listed later than the records: what a listed record names was there before it
+    records = index.files()
+    objects = store.files()  # listed later than the records: what a listed record names was there before it
     files = records | objects
     entries, doomed = _entries(store, index, records, objects)
     by_digest = {path.stem: path for path in objects}

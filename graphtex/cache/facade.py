@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from graphtex.cache.errors import CacheUnavailable, EntryLost
-from graphtex.cache.eviction import Pruned, default_limit, disk_use, parse_size, prune, sizes
+from graphtex.cache.eviction import Pruned, default_limit, disk_use, parse_size, prune
 from graphtex.cache.files import now_on, remove, touch, write_atomically
 from graphtex.cache.index import Index, Output, Record
 from graphtex.cache.key import KeyParts
@@ -132,7 +132,7 @@ class Cache:
     ) -> Record:
         """Keep under a key what came of a node; its outputs have been `put` before. Raises `CacheUnavailable`."""
         record = Record(key, node, dict(outputs), seconds, tuple(warnings))
-        self._index.write(record)
+        self._store.count(self._index.write(record))
         return record
 
     def forget(self, key: str) -> None:
@@ -156,7 +156,7 @@ class Cache:
 
     def info(self) -> Info:
         """Return the state of the cache."""
-        records, objects = sizes(self._index.paths()), sizes(self._store.paths())
+        records, objects = self._index.files(), self._store.files()
         used = [last_use / 1e9 for _, last_use in (records | objects).values()]
         live = 0
         if self.directory.is_dir():
@@ -182,7 +182,7 @@ class Cache:
     def verify(self) -> Verified:
         """Read and check everything; remove what is damaged and the records that name what is not there."""
         damaged, dangling = [], []
-        objects, records = list(self._store.paths()), list(self._index.paths())
+        objects, records = sorted(self._store.files()), sorted(self._index.files())
         for path in objects:
             try:
                 self._store.check(path)
@@ -220,7 +220,11 @@ class Session:
 
     def __enter__(self) -> Cache:
         tag = self._cache.directory / "CACHEDIR.TAG"  # backups leave such folders out
-        if not tag.exists():
+        try:
+            tagged = tag.exists()
+        except OSError:  # the folder is somebody else's: writing will say so
+            tagged = False
+        if not tagged:
             write_atomically(tag, self._cache.directory / "tmp", lambda file: file.write(_TAG))
         self._lease.__enter__()
         return self._cache

@@ -118,6 +118,20 @@ def remove_unless_used(path: Path, scratch: Path, last_use: int) -> bool:
     return True
 
 
+def listing(folder: Path) -> dict[Path, tuple[int, int]]:
+    """Return (bytes, last use in ns) of the files in the two-letter folders of a folder."""
+    found = {}
+    with suppress(OSError), os.scandir(folder) as shelves:
+        for shelf in shelves:
+            if len(shelf.name) == 2 and shelf.is_dir():
+                with suppress(OSError), os.scandir(shelf) as entries:
+                    for entry in entries:
+                        with suppress(FileNotFoundError):  # removed just now
+                            status = entry.stat()
+                            found[Path(entry.path)] = status.st_size, status.st_mtime_ns
+    return found
+
+
 def now_on(scratch: Path) -> float:
     """Return the time by the clock of the store's file system, which may be another machine's."""
     probe = scratch / f"clock-{uuid.uuid4().hex}"

@@ -6,14 +6,14 @@ is removed.
 """
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from graphtex.cache.digest import canonical_json, text_digest
 from graphtex.cache.errors import DamagedEntry
-from graphtex.cache.files import read_checked, remove, write_checked
+from graphtex.cache.files import listing, read_checked, remove, write_checked
 from graphtex.cache.key import KeyParts
 
 
@@ -87,9 +87,9 @@ class Index:
             raise DamagedEntry(f"{path} is gone")
         return _record(path, body, path.stem)
 
-    def paths(self) -> Iterator[Path]:
-        """Yield the files of all records."""
-        yield from sorted(self.records.glob("??/*.json"))
+    def files(self) -> dict[Path, tuple[int, int]]:
+        """Return (bytes, last use in ns) of all records."""
+        return {path: told for path, told in listing(self.records).items() if path.suffix == ".json"}
 
     def write_run(self, graph: str, nodes: Mapping[str, KeyParts]) -> None:
         """Keep of what each node's key was made, in place of the graph's last run. Raises `CacheUnavailable`."""

@@ -5,7 +5,7 @@ of another type or not ours is removed and never used. Arrays are ``.npy`` files
 more line at their end: the ``{"dtype", "shape", "type"}`` that the digest covers. Nothing is ever unpickled.
 
 API: ``Store(root, resolve)`` with ``put(type_name, value) -> digest``, ``get(type_name, digest)``, ``has(digest)``,
-``touch(digest)``, ``closure(digest)``, ``check(digest)``, ``paths()``.
+``touch(digest)``, ``closure(digest)``, ``check(path)``, ``files()``.
 """
 
 import json
@@ -30,7 +30,7 @@ from graphtex.cache.digest import (
     text_digest,
 )
 from graphtex.cache.errors import DamagedEntry, EntryLost, MissingEntry
-from graphtex.cache.files import remove, touch, wait_a_moment, write_atomically
+from graphtex.cache.files import listing, remove, touch, wait_a_moment, write_atomically
 from graphtex.sockets import TYPES, Gap, StructType
 
 Resolver = Callable[[str], Callable[..., Any] | None]
@@ -100,7 +100,10 @@ class Store:
             for piece in pieces:
                 file.write(piece)
 
-        write_atomically(path, self.scratch, write)
+        self.count(write_atomically(path, self.scratch, write))
+
+    def count(self, size: int) -> None:
+        """Add to the bytes that were written by this object's user."""
         with self._lock:
             self.written += size
 
@@ -182,11 +185,10 @@ class Store:
         else:
             self._read_tree(path, path.stem)
 
-    def paths(self) -> Iterator[Path]:
-        """Yield the files of all stored objects."""
-        for path in sorted(self.objects.glob("??/*")):
-            if path.suffix in (".npy", ".json") and _DIGEST.fullmatch(path.stem):
-                yield path
+    def files(self) -> dict[Path, tuple[int, int]]:
+        """Return (bytes, last use in ns) of all stored objects."""
+        found = listing(self.objects)
+        return {p: told for p, told in found.items() if p.suffix in (".npy", ".json") and _DIGEST.fullmatch(p.stem)}
 
     def _path(self, digest: str, suffix: str) -> Path:
         if not _DIGEST.fullmatch(digest):  # a digest from a damaged file must not lead out of the store

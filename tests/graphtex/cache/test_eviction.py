@@ -2,6 +2,7 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -269,6 +270,23 @@ def test_an_entry_that_is_touched_while_it_is_being_removed(cache, monkeypatch):
     assert cache.prune(0).freed == 0
     assert alive(cache, 1) == [1]
     assert cache.has(digest)
+
+
+def test_an_entry_that_is_touched_at_the_last_moment(cache, monkeypatch):
+    """After the pruner's last look and before its renaming: it is put back."""
+    (digest,) = keep(cache, 1, block(1))
+    grow_old(cache)
+    original = Path.rename
+
+    def overtaken(path, target):
+        os.utime(path)
+        return original(path, target)
+
+    monkeypatch.setattr(Path, "rename", overtaken)
+    assert cache.prune(0).freed == 0
+    assert alive(cache, 1) == [1]
+    assert np.all(cache.get("Map", digest) == 1)
+    assert list((cache.directory / "tmp").iterdir()) == []
 
 
 def test_only_the_last_runs_of_so_many_graphs_are_kept(cache, monkeypatch):

@@ -1,5 +1,9 @@
+import contextlib
 import json
+import os
 import pickle
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -192,6 +196,64 @@ def test_a_read_only_cache_still_serves(cache, monkeypatch):
 
     monkeypatch.setattr("os.utime", refuse)
     assert np.all(cache.load(cache.lookup(key(1)))["out0"] == 1)
+
+
+@contextlib.contextmanager
+def unprivileged():
+    """For root no folder is read-only."""
+    if os.geteuid() != 0:
+        yield
+        return
+    os.seteuid(65534)
+    try:
+        yield
+    finally:
+        os.seteuid(0)
+
+
+@pytest.fixture
+def locked():
+    """A cache with one entry, and a function that sets the mode of all its folders."""
+    with tempfile.TemporaryDirectory() as folder:
+        cache = Cache(Path(folder) / "cache")
+        with cache.session():
+            keep(cache, 1, block(1))
+
+        def set_mode(mode):
+            for path in sorted([cache.directory, *cache.directory.rglob("*")], reverse=mode < 0o700):
+                path.chmod(mode if path.is_dir() else 0o444)
+
+        Path(folder).chmod(0o755)
+        yield cache, set_mode
+        set_mode(0o755)
+
+
+def refuses_to_write(cache):
+    for attempt in (lambda: cache.put("Map", block(2)), lambda: cache.session().__enter__(), lambda: cache.prune(0)):
+        with pytest.raises(CacheUnavailable, match="cannot be written"):
+            attempt()
+
+
+def test_a_folder_of_somebody_else_that_can_be_read(locked):
+    """It serves what it has, even `put` of that; the rest is told."""
+    cache, set_mode = locked
+    set_mode(0o555)
+    with unprivileged():
+        found = cache.lookup(key(1))
+        assert np.all(cache.load(found)["out0"] == 1)
+        assert cache.put("Map", block(1)) == found.outputs["out0"].digest
+        refuses_to_write(cache)
+        assert cache.info().records == 1
+
+
+def test_a_folder_of_somebody_else_that_cannot(locked):
+    cache, set_mode = locked
+    set_mode(0)
+    with unprivileged():
+        assert cache.lookup(key(1)) is None
+        assert cache.last_run("graph") is None
+        refuses_to_write(cache)
+        assert cache.info().records == 0
 
 
 def test_workers_get_the_same_folder(cache):

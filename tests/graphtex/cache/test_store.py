@@ -30,7 +30,7 @@ def store(tmp_path):
 
 
 def only_file(store: Store):
-    (path,) = store.paths()
+    (path,) = store.files()
     return path
 
 
@@ -91,14 +91,14 @@ def test_numpy_reads_every_shape(store, shape):
 def test_equal_values_are_stored_once(store):
     first, second = np.zeros((4, 4)), np.zeros((8, 8))[::2, ::2]
     assert store.put("Map", first) == store.put("Map", second)
-    assert len(list(store.paths())) == 1
+    assert len(list(store.files())) == 1
     assert store.written == only_file(store).stat().st_size
 
 
 def test_shared_parts_are_stored_once(store):
     zeros = np.zeros(100)
     store.put("list[Map]", [zeros, zeros, zeros])
-    assert len(list(store.paths())) == 2
+    assert len(list(store.files())) == 2
 
 
 def test_missing(store):
@@ -116,7 +116,7 @@ def test_what_is_no_digest_leads_nowhere(store, digest):
 
 def test_a_part_that_is_gone(store):
     digest = store.put("Pair", Pair(np.zeros(3), np.ones(3), "a", 1.0))
-    next(path for path in store.paths() if path.suffix == ".npy").unlink()
+    next(path for path in store.files() if path.suffix == ".npy").unlink()
     assert not store.has(digest)
     with pytest.raises(MissingEntry):
         store.get("Pair", digest)
@@ -258,7 +258,7 @@ def test_a_disk_that_is_full(store):
     store.put("Map", np.zeros(2))
     with files_up_to(1000), pytest.raises(CacheUnavailable, match="cannot be written"):
         store.put("Map", np.zeros(10_000))
-    assert len(list(store.paths())) == 1
+    assert len(list(store.files())) == 1
     assert list(store.scratch.iterdir()) == []
     assert store.has(store.put("Map", np.zeros(10_000)))
 
@@ -269,4 +269,4 @@ def test_a_folder_that_cannot_be_made(tmp_path):
     with pytest.raises(CacheUnavailable, match="cannot be written"):
         store.put("Map", np.zeros(2))
     assert not store.has("0" * 64)
-    assert list(store.paths()) == []
+    assert list(store.files()) == []
