@@ -71,7 +71,8 @@ def load_image(
     The transfer function is for colour alone: in an EXR the channels named R, G, B or Y, else the first one or three
     of pictures with up to four channels. ICC profiles of 8-bit pictures go through LittleCMS (relative colorimetric,
     black point compensation); those of deeper ones through the profile's curves and matrix; a deep picture with a
-    table of colours in place of them is left as it is, with a warning. A PNG's gAMA and cHRM are not used.
+    table of colours in place of them is left as it is, with a warning. A profile for RGB on a grey picture is not used,
+    nor are a PNG's gAMA and cHRM.
     """
     return read_picture(path, alpha=alpha, encoding=encoding, nonfinite=nonfinite, warn=ctx.warn)
 
@@ -140,6 +141,8 @@ def _profiled(path: Path, picture: Floats, found: Decoded, warn: Callable[[str],
 
     assert found.profile is not None
     colour = picture[..., : found.colours]
+    if found.colours == 1 and found.profile[16:20] == b"RGB ":
+        return colour  # some programs write it, the PNG standard has it ignored
     try:
         if found.samples.dtype == np.uint8 and not found.premultiplied:
             return to_floats(to_srgb_8(found.samples[..., : found.colours], found.profile))

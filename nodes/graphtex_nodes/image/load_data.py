@@ -1,6 +1,7 @@
 """Maps, points and bundles from the files that their writers make (see save.py)."""
 
 from pathlib import Path
+from tokenize import TokenError
 from typing import Annotated, Any
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import Displacement, Elements, FilePath, LabelMap, Points, SourceMap, Texture, ViewStack, node, opener
-from graphtex_nodes.image.files.decode import decode
+from graphtex_nodes.image.files.decode import decode, load_npy
 from graphtex_nodes.image.save import DATA_SUFFIXES
 
 File = Annotated[FilePath, Field(description="the file")]
@@ -75,7 +76,7 @@ def load_points(*, path: File) -> Points:
     """Read points: ``x,y`` on each line, with or without a heading, or a NumPy array (n, 2)."""
     if path.suffix.lower() != ".npy":
         return _table(path, ("x", "y"))
-    array = _load_npy(path)
+    array = load_npy(path)
     if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "uif":
         raise ValueError(f"{path}: points are numbers (n, 2), got {array.dtype} {array.shape}")
     return array.astype(np.float64)
@@ -127,14 +128,6 @@ def load_view_stack(*, path: File) -> ViewStack:
     return ViewStack(fields["views"], fields["directions"])
 
 
-def _load_npy(path: Path) -> NDArray[Any]:
-    try:
-        array: NDArray[Any] = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise ValueError(f"{path}: no NumPy array, or damaged: {error}") from error
-    return array
-
-
 def _load_npz(path: Path, kinds: dict[str, str]) -> dict[str, NDArray[Any]]:
     """Fields of an archive, each of a dtype's kind."""
     import zipfile
@@ -149,7 +142,7 @@ def _load_npz(path: Path, kinds: dict[str, str]) -> dict[str, NDArray[Any]]:
             for key in kinds:
                 with archive.open(f"{key}.npy") as file:
                     found[key] = np.lib.format.read_array(file, allow_pickle=False)
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+    except (OSError, ValueError, EOFError, SyntaxError, TokenError, zipfile.BadZipFile, zlib.error) as error:
         raise ValueError(f"{path}: not such an archive, or damaged: {error}") from error
     for key, kind in kinds.items():
         if found[key].dtype.kind != kind:

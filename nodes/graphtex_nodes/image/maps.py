@@ -40,7 +40,8 @@ def stack_maps(maps: list[Image], *, kinds: Kinds, ctx: Context = QUIET) -> Imag
     Returns
     -------
     Image
-        (h, w, sum of the channels), at most 16.
+        (h, w, sum of the channels), at most 16. Write it to a file with ``encoding: raw``: 4 channels would count as
+        RGB and alpha.
 
     Raises
     ------

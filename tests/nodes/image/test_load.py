@@ -270,6 +270,16 @@ def test_grey_profile(tmp_path, dtype):
     np.testing.assert_allclose(load(tmp_path / "a.png"), expected, atol=2 / 255 if dtype == "uint8" else 1e-3)
 
 
+@pytest.mark.parametrize("dtype", ["uint8", "uint16"])
+def test_grey_with_a_profile_for_rgb(tmp_path, dtype):
+    """Some programs write it; it is not used."""
+    samples = noise(4, 5, 1, dtype=dtype)
+    (tmp_path / "a.png").write_bytes(deep_png(samples, profile(1.0)))
+    tifffile.imwrite(tmp_path / "a.tif", samples[..., 0], iccprofile=profile(1.0))
+    for name in ("a.png", "a.tif"):
+        np.testing.assert_array_equal(load(tmp_path / name), samples / np.float32(np.iinfo(dtype).max))
+
+
 def test_profile_leaves_alpha_alone(tmp_path):
     samples = noise(4, 5, 4)
     Pictures.fromarray(samples).save(tmp_path / "a.png", icc_profile=profile(1.0))
@@ -285,6 +295,15 @@ def test_srgb_profile_changes_nothing(tmp_path):
     deep = noise(9, 9, 3, dtype="uint16")
     (tmp_path / "b.png").write_bytes(deep_png(deep, own))
     np.testing.assert_array_equal(load(tmp_path / "b.png"), deep / np.float32(65535))
+
+
+def test_exr_whose_names_are_no_text(tmp_path):
+    """OpenImageIO's message then quotes bytes that are no UTF-8."""
+    write_deep(np.full((4, 4, 3), 0.5, np.float32), tmp_path / "a.exr")
+    content = (tmp_path / "a.exr").read_bytes()
+    (tmp_path / "a.exr").write_bytes(content.replace(b"channels\0chlist", b"channels\0chl\x89st"))
+    with pytest.raises(ValueError, match=r"a\.exr: damaged: its header is unreadable"):
+        load(tmp_path / "a.exr")
 
 
 @pytest.mark.parametrize("broken", [b"nonsense" * 40, profile(1.0, ())])
@@ -305,7 +324,7 @@ def test_cut_off(tmp_path, share, name):
     path = tmp_path / name
     encode(noise(60, 60, 3, dtype="float32"), path, depth=16 if name == "deep.png" else None)
     path.write_bytes(path.read_bytes()[: int(path.stat().st_size * share)])
-    with pytest.raises(ValueError, match=rf"{name}: damaged") as caught:
+    with pytest.raises(ValueError, match=rf"{name}: (no array, or )?damaged") as caught:
         load(path)
     assert "\n" not in str(caught.value)
 
@@ -358,10 +377,18 @@ def test_too_many_channels(tmp_path):
         load(tmp_path / "a.tif")
 
 
+def test_array_whose_header_is_damaged(tmp_path):
+    """NumPy parses it as Python."""
+    np.save(tmp_path / "a.npy", np.zeros((2, 2)))
+    (tmp_path / "a.npy").write_bytes((tmp_path / "a.npy").read_bytes().replace(b"}", b"{"))
+    with pytest.raises(ValueError, match=r"a\.npy: no array, or damaged"):
+        load(tmp_path / "a.npy")
+
+
 @pytest.mark.parametrize("wrong", [np.zeros((2, 2, 2, 2)), np.zeros((0, 3)), np.array([["a"]]), np.array([[None]])])
 def test_arrays_that_are_no_picture(tmp_path, wrong):
     np.save(tmp_path / "a.npy", wrong, allow_pickle=True)
-    with pytest.raises(ValueError, match=r"a\.npy: (a picture is numbers|damaged)"):
+    with pytest.raises(ValueError, match=r"a\.npy: (a picture is numbers|no array, or damaged)"):
         load(tmp_path / "a.npy")
 
 

@@ -15,7 +15,7 @@ from graphtex import Elements, Texture, ViewStack
 from graphtex.handlers import DEFAULT_SUFFIX, WRITERS
 from graphtex_nodes.image.files.colour import decode_srgb, encode_srgb, to_samples
 from graphtex_nodes.image.files.encode import encode
-from graphtex_nodes.image.files.formats import FORMATS, table
+from graphtex_nodes.image.files.formats import FORMATS, MOST_PIXELS, table
 from graphtex_nodes.image.load import load_image, load_mask, load_scale
 from graphtex_nodes.image.load_data import (
     load_displacement,
@@ -328,7 +328,11 @@ def types_table() -> str:
     return "\n".join(rows)
 
 
-def test_docs_are_true():
-    text = DOCS.read_text()
+def test_docs_are_true(tmp_path):
+    text = DOCS.read_text(encoding="utf-8")
+    with pytest.raises(ValueError, match="JPEG holds") as caught:
+        save_image(np.zeros((1, 1, 4), np.float32), tmp_path / "a.jpg")
+    assert str(caught.value) in " ".join(text.split())
+    assert f"{MOST_PIXELS:,} pixels" in text
     assert table() in text
     assert types_table() in text

@@ -4,6 +4,7 @@ import struct
 import zlib
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -97,11 +98,17 @@ def _refuse_channels(path: Path, channels: int) -> None:
         raise ValueError(f"{path}: an Image has up to {MOST_CHANNELS} channels, the file holds {channels}")
 
 
-def _decode_numpy(path: Path) -> Decoded:
+def load_npy(path: Path) -> NDArray[Any]:
+    """Map an array from a file; ValueError if it is none, is damaged or holds objects."""
     try:
-        array = np.load(path, mmap_mode="r", allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise ValueError(f"{path}: damaged: {_one_line(error)}") from error
+        array: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
+    except (*_DAMAGED, TokenError) as error:  # NumPy parses the header as Python
+        raise ValueError(f"{path}: no array, or damaged: {_one_line(error)}") from error
+    return array
+
+
+def _decode_numpy(path: Path) -> Decoded:
+    array = load_npy(path)
     if array.ndim not in (2, 3) or array.dtype.kind not in "buif" or array.size == 0:
         raise ValueError(f"{path}: a picture is numbers in (h, w) or (h, w, c), got {array.dtype} {array.shape}")
     _refuse_huge(path, array.shape[1], array.shape[0])
@@ -153,7 +160,10 @@ def _decode_deep(path: Path, name: str) -> Decoded:
     """TIFF, EXR, HDR and 16-bit PNG, by OpenImageIO in the file's own type."""
     import OpenImageIO as oiio
 
-    found = _read_oiio(oiio, path, name, raw=False)
+    try:
+        found = _read_oiio(oiio, path, name, raw=False)
+    except UnicodeDecodeError as error:  # OpenImageIO quotes the damaged bytes in its message
+        raise ValueError(f"{path}: damaged: its header is unreadable") from error
     if found.cmyk:  # read again as ink: OpenImageIO's own conversion knows no profile
         return replace(_read_oiio(oiio, path, name, raw=True), cmyk=True, colours=4, alpha=-1, premultiplied=False)
     return found
