@@ -35,6 +35,8 @@ class Registry:
 @functools.cache
 def registry() -> Registry:
     """Load all installed packs, once."""
+    from graphtex import numbers  # noqa: F401 (registers how numbers are written, as packs do for their types)
+
     return load_packs(entry_points(group=GROUP))
 
 
