@@ -7,7 +7,7 @@ from typing import Literal
 from graphtex.cache import Cache, KeyParts, NoSource, code_digest, digest_value, environment, file_digest
 from graphtex.parameters import validate, with_files
 from graphtex.plan import Plan, Slot, Task
-from graphtex.sockets import Gap
+from graphtex.sockets import TYPES, Gap, ValueType
 from graphtex.work import Held
 
 KEY_FORMAT = 1  # raise it when the framework changes what a result depends on
@@ -42,6 +42,9 @@ class Keys:
         return self._files[path]
 
 
+_UNKNOWN = Held(ValueType(TYPES["Number"]), in_memory=False)  # of a task that has not run; the type does not matter
+
+
 def _digest(held: Held | Gap) -> str:
     return digest_value("Gap", held.label) if isinstance(held, Gap) else held.digest
 
@@ -71,7 +74,7 @@ def forecast(plan: Plan, cache: Cache | None) -> tuple[dict[str, Forecast], dict
 
     Returns
     -------
-    The forecast of each task, and the parts of the keys that can be told.
+    The forecast of each task, and what its key is made of; inputs that are not known yet have an empty digest there.
     """
     keys = Keys()
     held = given_values(plan, digests=cache is not None)
@@ -81,13 +84,14 @@ def forecast(plan: Plan, cache: Cache | None) -> tuple[dict[str, Forecast], dict
         if cache is None:
             told[task.id] = "runs"
             continue
-        if any(slot not in held for slot in task.slots):
-            told[task.id] = "maybe"
-            continue
-        parts = keys.parts(task, held)
-        found = found_outputs(task, parts.key(), cache) if parts is not None else None
+        unknown = {slot: _UNKNOWN for slot in task.slots if slot not in held}
+        parts = keys.parts(task, {**held, **unknown} if unknown else held)
         if parts is not None:
             known[task.id] = parts
+        if unknown and parts is not None:
+            told[task.id] = "maybe"
+            continue
+        found = found_outputs(task, parts.key(), cache) if parts is not None else None
         told[task.id] = "runs" if found is None else "cached"
         if found is not None:
             held.update({Slot(task.id, name): value for name, value in found[0].items()})

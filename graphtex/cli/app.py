@@ -1,0 +1,116 @@
+"""The command ``graphtex``: its commands, and what becomes of errors."""
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cyclopts import App, CycloptsError, Parameter
+
+from graphtex.cli.arguments import spread
+from graphtex.cli.cache import cache_app
+from graphtex.cli.check import check
+from graphtex.cli.demo import demo
+from graphtex.cli.new import new
+from graphtex.cli.nodes import nodes
+from graphtex.cli.run import run
+from graphtex.cli.schema import schema
+from graphtex.cli.show import show
+from graphtex.cli.terminal import DONE, FAILED, INTERRUPTED, WRONG, complain, say
+from graphtex.cli.why import why
+from graphtex.errors import GraphError, GraphtexError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+DEBUG_VARIABLE = "GRAPHTEX_DEBUG"
+BROKEN_PIPE = 141  # what a shell reports for a program that SIGPIPE ended
+
+
+def _version() -> str:
+    from graphtex import __version__
+
+    return __version__
+
+
+def make_app() -> App:
+    """Return the command line with all its commands."""
+    app = App(
+        name="graphtex",
+        help="Example-based texture synthesis and editing as a node-graph dataflow framework.\n\n"
+        "Try `graphtex demo`, then `graphtex nodes` and `graphtex run GRAPH --dry-run`. GRAPH is a YAML file, or the "
+        "name of a graph that ships with graphtex.",
+        help_epilogue="Exit status: 0 done, 1 a node failed, 2 the request is wrong, 130 interrupted. "
+        f"With --debug (or {DEBUG_VARIABLE}=1) errors show their tracebacks.",
+        version=_version,
+        version_flags=["--version"],
+        help_format="plaintext",
+        default_parameter=Parameter(negative=(), show_default=False),
+        result_action="return_value",
+    )
+    commands: tuple[Callable[..., int], ...] = (run, demo, check, show, nodes, why, schema, new)
+    for command in commands:
+        app.command(command)
+    app.command(cache_app)
+    return app
+
+
+def call(arguments: Sequence[str]) -> int:
+    """Carry out a command line and return its exit status; nothing that a user can type ends in a traceback."""
+    words = list(arguments)
+    end = words.index("--") if "--" in words else len(words)
+    debug = "--debug" in words[:end] or os.environ.get(DEBUG_VARIABLE, "") not in ("", "0")
+    words = [word for word in words[:end] if word != "--debug"] + words[end:]
+    try:
+        status = _carry_out(words, debug)
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough
+        _silence(sys.stdout, sys.stderr)
+        return BROKEN_PIPE
+
+
+def _carry_out(words: list[str], debug: bool) -> int:
+    app = make_app()
+    try:
+        status = app(spread(words), print_error=False, exit_on_error=False)
+        return status if isinstance(status, int) else DONE
+    except CycloptsError as error:
+        chain = " ".join(("graphtex", *(error.command_chain or ())))
+        say(f"{chain}: {_one_line(str(error))} (see {chain} --help)", "red")
+        return WRONG
+    except GraphError as error:
+        if debug:
+            traceback.print_exc()
+        complain(error.problems)
+        return WRONG
+    except BrokenPipeError:
+        raise
+    except (KeyboardInterrupt, GraphtexError, MemoryError) as error:
+        if debug:
+            traceback.print_exc()
+        if isinstance(error, KeyboardInterrupt):
+            say("interrupted", "yellow")
+            return INTERRUPTED
+        say(str(error) or "out of memory", "red")
+        return FAILED
+    except Exception as error:  # noqa: BLE001 (a fault of ours or of a pack: one line, and how to see the rest)
+        if debug:
+            traceback.print_exc()
+        else:
+            hint = f"a fault in graphtex or a node pack; --debug or {DEBUG_VARIABLE}=1 shows the traceback"
+            say(f"internal error: {type(error).__name__}: {_one_line(str(error))} ({hint})", "red")
+        return FAILED
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _silence(*streams: "object") -> None:
+    """Point streams at nothing, so that flushing them at exit does not complain again."""
+    with Path(os.devnull).open("w") as nothing:
+        for stream in streams:
+            os.dup2(nothing.fileno(), stream.fileno())  # type: ignore[attr-defined]

@@ -1,0 +1,29 @@
+"""``graphtex demo``: a first picture."""
+
+from pathlib import Path
+
+from graphtex.cli.terminal import DONE, say
+
+GRAPH = "perspective/feature-mask"
+
+
+def demo(*, out: Path = Path("graphtex-out/demo"), quiet: bool = False) -> int:
+    """Make a first picture: run perspective/feature-mask on its sample.
+
+    Parameters
+    ----------
+    out
+        The folder to write to, by default graphtex-out/demo.
+    quiet
+        Tell nothing of the progress.
+    """
+    from graphtex.cli.arguments import read_graph
+    from graphtex.cli.run import carry_out
+
+    status = carry_out(read_graph(GRAPH), {}, folder=out, name=GRAPH, quiet=quiet)
+    if status == DONE:
+        say(f"The pictures are in {out}. image is the new texture: it has the texture elements of the exemplar, which")
+        say("shrink with distance as there; the other pictures are maps on the way. Try next:")
+        say(f"  graphtex show {GRAPH} -o graph.svg        how it is wired")
+        say(f"  graphtex run {GRAPH} --set exemplar=PHOTO.png   your own photo of a texture on a plane")
+    return status
