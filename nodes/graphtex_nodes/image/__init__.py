@@ -1,0 +1,1 @@
+"""Pictures in and out, exemplars that nodes generate, and conversions."""

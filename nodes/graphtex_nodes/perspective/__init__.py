@@ -1,0 +1,1 @@
+"""Perspective-aware analysis and synthesis (Dong, Zhou & Paul 2008)."""

@@ -1,0 +1,1 @@
+"""Measured comparisons: ``python -m benchmarks [GROUP ...] [--json] [--pictures DIR]``, from a checkout."""
