@@ -1,5 +1,6 @@
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from graphtex.errors import GraphError
-from graphtex.files import dumps, read
+from graphtex.files import dumps, read, read_file
 from graphtex.graph import REQUIRED, SCALAR_TYPES, Entry, Graph, Input, Output
 from graphtex.node import RESERVED
 
@@ -219,3 +220,12 @@ def test_other_readers_agree(value):
     """PyYAML, a reader of YAML 1.1, takes what is written for the same data."""
     text = dumps(Graph(nodes={"a": Entry("X", arguments={"value": value})}))
     assert repr(yaml.safe_load(text)["nodes"]["a"].get("value")) == repr(value)
+
+
+def test_shipped_graphs_survive():
+    """What is read from a file that was written by hand is what is read from its canonical form."""
+    for path in sorted((Path(__file__).parents[3] / "graphs").rglob("*.yaml")):
+        graph, problems = read_file(path)
+        assert problems == []
+        assert graph is not None
+        assert read(dumps(graph)) == (graph, [])
