@@ -21,7 +21,7 @@ def scale_factor(colours: Array, scale: Array, weight: float) -> float:
 
 
 def resampled(scale: Array, size: tuple[int, int]) -> Array:
-    """The map (h, w) at another size (height, width), bilinear with repeated borders; itself where the size is its own."""
+    """The map (h, w) at another size (height, width), bilinear with repeated borders; itself if that is its own."""
     for axis in (0, 1):
         count = scale.shape[axis]
         if count == size[axis]:
@@ -51,7 +51,9 @@ def importance(exemplar_scale: Array, target_scale: Array) -> Array:
         return np.ones_like(exemplar_scale)
 
     def bins(scale: Array) -> NDArray[np.intp]:
-        return np.clip(((np.log(scale) - low) / (high - low) * BINS).astype(np.intp), 0, BINS - 1)
+        place = (np.log(scale) - low) / (high - low) * BINS
+        result: NDArray[np.intp] = np.clip(place.astype(np.intp), 0, BINS - 1)
+        return result
 
     have = np.bincount(bins(exemplar_scale).ravel(), minlength=BINS) / exemplar_scale.size
     want = np.bincount(bins(target_scale).ravel(), minlength=BINS) / target_scale.size
@@ -59,7 +61,8 @@ def importance(exemplar_scale: Array, target_scale: Array) -> Array:
     have, want = (np.convolve(np.pad(part, 1, mode="edge"), kernel, "valid") for part in (have, want))
     ratio = np.clip(want / np.maximum(have, 1e-6), 0.05, 20)
     result = ratio[bins(exemplar_scale)]
-    return (result / result.mean()).astype(np.float32)
+    relative: Array = (result / result.mean()).astype(np.float32)
+    return relative
 
 
 def random_blocks(
@@ -95,7 +98,8 @@ def random_blocks(
     places = np.stack(np.unravel_index(chosen, shape), axis=-1).reshape(down, right, 2)
     field = places.repeat(block, axis=0).repeat(block, axis=1)[: grid[0], : grid[1]]
     inside = np.stack(np.meshgrid(np.arange(grid[0]) % block, np.arange(grid[1]) % block, indexing="ij"), axis=-1)
-    return np.clip(field + inside * step, 0, np.array(shape) - 1).astype(np.int32)
+    result: NDArray[np.int32] = np.clip(field + inside * step, 0, np.array(shape) - 1).astype(np.int32)
+    return result
 
 
 def _of_scale(wanted: Array, present: Array, rng: np.random.Generator) -> NDArray[np.intp]:
@@ -107,4 +111,5 @@ def _of_scale(wanted: Array, present: Array, rng: np.random.Generator) -> NDArra
     high = np.minimum(np.searchsorted(ordered, wanted, "right") + margin, ordered.size)
     low = np.minimum(low, ordered.size - 1)
     high = np.maximum(high, low + 1)
-    return order[low + (rng.random(wanted.size) * (high - low)).astype(np.intp)]
+    chosen: NDArray[np.intp] = order[low + (rng.random(wanted.size) * (high - low)).astype(np.intp)]
+    return chosen

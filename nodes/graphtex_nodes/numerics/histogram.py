@@ -33,7 +33,8 @@ class Histograms:
 
     def _bin(self, values: Array, channel: int) -> NDArray[np.intp]:
         position = (values - self.low[channel]) * self.per_unit[channel]
-        return np.clip(position.astype(np.intp), 0, BINS - 1)
+        bins: NDArray[np.intp] = np.clip(position.astype(np.intp), 0, BINS - 1)
+        return bins
 
     def pixel_weights(self, image: Array, gain: float) -> Array:
         """Weight (h, w) of each pixel of the exemplar, 1 where its bins are not over-full in ``image``."""

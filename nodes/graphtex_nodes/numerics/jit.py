@@ -41,11 +41,11 @@ def kernel_files(package: Path = _PACKAGE) -> list[Path]:
 @cache
 def kernel_digest() -> str:
     """Digest of everything that the machine code depends on."""
-    import llvmlite.binding
     import numba
+    from llvmlite import binding  # type: ignore[import-untyped]
 
     digest = hashlib.sha256()
-    facts = (sys.version, numba.__version__, llvmlite.binding.get_host_cpu_name(), sys.platform)
+    facts = (sys.version, numba.__version__, binding.get_host_cpu_name(), sys.platform)
     digest.update(repr(facts).encode())
     for path in [Path(__file__), *kernel_files()]:
         digest.update(path.name.encode())
@@ -102,19 +102,22 @@ def kernel(*signatures: str, fastmath: bool | set[str] = False) -> Callable[[Cal
 
     def compile_function(function: Callable[..., Any]) -> Callable[..., Any]:
         if not function.__module__.endswith("_kernels"):
-            raise ValueError(f"kernel {function.__name__}: expected a file named *_kernels.py, got {function.__module__}")
+            raise ValueError(
+                f"kernel {function.__name__}: expected a file named *_kernels.py, got {function.__module__}"
+            )
         import numba
 
+        config: Any = numba.config
         types = [_signature(text) for text in signatures]
         with _lock:
             folder = cache_folder()
-            before = numba.config.CACHE_DIR
-            numba.config.CACHE_DIR = str(folder) if folder else before
+            before = config.CACHE_DIR
+            config.CACHE_DIR = str(folder) if folder else before
             try:
                 compiled = numba.njit(types, cache=folder is not None, nogil=True, fastmath=fastmath)(function)
             finally:
-                numba.config.CACHE_DIR = before
-        return compiled  # type: ignore[no-any-return]
+                config.CACHE_DIR = before
+        return compiled
 
     return compile_function
 
@@ -140,7 +143,9 @@ def is_cold(*modules: str) -> bool:
     for path in kernel_files():
         if path.stem in modules:
             if folder is None:
-                return f"{_PACKAGE.name}.{'.'.join(path.relative_to(_PACKAGE).with_suffix('').parts)}" not in sys.modules
+                return (
+                    f"{_PACKAGE.name}.{'.'.join(path.relative_to(_PACKAGE).with_suffix('').parts)}" not in sys.modules
+                )
             wanted = path.read_text(encoding="utf-8").count("\n@kernel(")
             if len(list(folder.rglob(f"{path.stem}.*.nbi"))) < wanted:
                 return True

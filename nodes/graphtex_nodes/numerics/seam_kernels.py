@@ -1,5 +1,7 @@
 """Kernels that move seams between copied pieces to where they show least, and soften what is left of them."""
 
+# mypy: allow-untyped-defs
+
 import numpy as np
 from numba import njit
 
@@ -10,7 +12,7 @@ OUTSIDE = np.float32(1e6)
 
 
 @njit(inline="always", fastmath={"contract"})
-def mismatch(exemplar, usable, first_y, first_x, second_y, second_x):  # type: ignore[no-untyped-def]
+def mismatch(exemplar, usable, first_y, first_x, second_y, second_x):
     """Squared difference of two exemplar pixels; :data:`OUTSIDE` where one of them cannot be used."""
     height, width = usable.shape
     if first_y < 0 or first_y >= height or first_x < 0 or first_x >= width:
@@ -30,7 +32,7 @@ def mismatch(exemplar, usable, first_y, first_x, second_y, second_x):  # type: i
     "const f4[:,:,:], const u1[:,:], const f4[:,:,:], i4[:,:,:], f4, f4, i8, i8, i8",
     fastmath={"contract"},
 )
-def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop):  # type: ignore[no-untyped-def]
+def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop):
     """Let each pixel of one chequerboard colour take over the piece of one of its four neighbours if that costs less.
 
     The cost of a source is ``pull`` times its squared difference from ``image`` plus, for each neighbour of another
@@ -42,6 +44,15 @@ def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop)
         for x in range((y + parity) % 2, width, 2):
             here_y = source[y, x, 0]
             here_x = source[y, x, 1]
+            whole = True
+            for side in range(4):
+                down = (side == 0) - (side == 1)
+                right = (side == 2) - (side == 3)
+                if 0 <= y + down < height and 0 <= x + right < width:
+                    whole &= source[y + down, x + right, 0] == here_y + down
+                    whole &= source[y + down, x + right, 1] == here_x + right
+            if whole:
+                continue
             best = np.float32(-1)
             best_y = here_y
             best_x = here_x
@@ -75,8 +86,6 @@ def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop)
                     cost += join + mismatch(exemplar, usable, cy, cx, ny - down, nx - right)
                     cost += mismatch(exemplar, usable, cy + down, cx + right, ny, nx)
                 if choice == 0 or cost < best:
-                    if choice == 0 and cost == 0:
-                        break
                     best = cost
                     best_y = cy
                     best_x = cx
@@ -88,7 +97,7 @@ def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop)
     "const f4[:,:,:], const u1[:,:], const i4[:,:,:], const f4[:,:], f4[:,:,:], i8, i8",
     fastmath={"contract"},
 )
-def fade_seams(exemplar, usable, source, falloff, image, first, stop):  # type: ignore[no-untyped-def]
+def fade_seams(exemplar, usable, source, falloff, image, first, stop):
     """Mix the pieces that meet near a pixel, each continued up to it; inside a piece the exemplar's pixel is copied.
 
     ``falloff`` (2 r + 1, 2 r + 1) are the weights of the pixels around. Unlike a blur, this keeps the detail of each

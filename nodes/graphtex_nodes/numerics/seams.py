@@ -49,7 +49,7 @@ def move_seams(
     passes
         A seam moves at most two pixels in a pass.
     """
-    source = source.copy()
+    source, image = source.copy(), np.ascontiguousarray(image)
     for _ in range(passes):
         for parity in (0, 1):
 

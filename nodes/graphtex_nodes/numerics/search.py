@@ -68,9 +68,16 @@ def search_warm(
         before, field = field, np.empty_like(field)
         jump = 1 << (passes - 1 - number)
 
-        def band(first: int, stop: int, before: Field = before, after: Field = field, jump: int = jump) -> None:
+        def band(
+            first: int,
+            stop: int,
+            before: Field = before,
+            after: Field = field,
+            seed: np.uint64 = seeds[number],
+            jump: int = jump,
+        ) -> None:
             search_kernels.search_near(
-                windows, exemplar, charge, before, after, costs, step, jump, reach, seeds[number], first, stop
+                windows, exemplar, charge, before, after, costs, step, jump, reach, seed, first, stop
             )
 
         for_rows(band, rows, columns * 20 * windows.shape[2], work)

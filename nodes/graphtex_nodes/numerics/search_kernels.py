@@ -1,5 +1,7 @@
 """Kernels that look for the nearest exemplar window."""
 
+# mypy: allow-untyped-defs
+
 import numpy as np
 from numba import njit
 
@@ -7,7 +9,7 @@ from graphtex_nodes.numerics.jit import kernel
 
 
 @njit(inline="always")
-def mixed(value):  # type: ignore[no-untyped-def]
+def mixed(value):
     """SplitMix64's finaliser: 64 well-mixed bits of 64 bits."""
     value = (value ^ (value >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     value = (value ^ (value >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
@@ -15,7 +17,7 @@ def mixed(value):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always", fastmath={"contract", "reassoc", "nsz"})
-def distance(first, second):  # type: ignore[no-untyped-def]
+def distance(first, second):
     """Squared distance of two vectors."""
     total = np.float32(0)
     for k in range(first.shape[0]):
@@ -28,7 +30,7 @@ def distance(first, second):  # type: ignore[no-untyped-def]
     "const f4[:,:,:], const f4[:,:,:], const i4[:,:], const f4[:,:], i4[:,:,:], f4[:,:], i8, i8",
     fastmath={"contract", "reassoc", "nsz"},
 )
-def search_listed(windows, exemplar, places, charge, field, costs, first, stop):  # type: ignore[no-untyped-def]
+def search_listed(windows, exemplar, places, charge, field, costs, first, stop):
     """Best of the listed exemplar windows for each window: brute force. The first of equals wins.
 
     ``windows`` (rows, columns, k) and ``exemplar`` (h, w, k) are coordinates, ``places`` (n, 2) rows and columns of the
@@ -53,7 +55,6 @@ def search_listed(windows, exemplar, places, charge, field, costs, first, stop):
     fastmath={"contract", "reassoc", "nsz"},
 )
 def search_near(windows, exemplar, charge, before, field, costs, step, jump, reach, seed, first, stop):
-    # type: ignore[no-untyped-def]
     """One pass of PatchMatch in Jacobi form: reads the field ``before``, writes ``field``; the order does not matter.
 
     Candidates are the window's own source, the sources of the eight windows ``jump`` grid places away, shifted back,

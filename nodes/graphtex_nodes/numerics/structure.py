@@ -18,9 +18,9 @@ def dominant_period(image: Array, strength: float = 0.3) -> float:
 
     Examples
     --------
-    >>> stripes = np.tile(np.sin(np.arange(60) * 2 * np.pi / 12), (60, 1)).astype(np.float32)[..., None]
-    >>> dominant_period(stripes)
-    12.0
+    >>> wave = np.sin(np.arange(60, dtype=np.float32) * 2 * np.pi / 12)
+    >>> round(dominant_period(np.outer(wave, wave)[..., None]), 2)  # the nearest repeat is 6 down and 6 to the right
+    8.49
     """
     height, width = (min(LARGEST, side) for side in image.shape[:2])
     if min(height, width) < 6:

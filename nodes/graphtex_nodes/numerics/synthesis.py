@@ -77,7 +77,8 @@ class Problem:
     @property
     def voted(self) -> int:
         """How many channels the vote fills."""
-        return self.exemplar.shape[2] + (self.guide is not None and not (self.hold and self.target is not None))
+        held = self.hold and self.target is not None
+        return int(self.exemplar.shape[2]) + (self.guide is not None and not held)
 
 
 @dataclass(frozen=True)
@@ -140,15 +141,14 @@ def synthesise(
     seed = int(rng.integers(2**63))
     total = sum(stage.iterations * 4.0**-stage.level for stage in plan)
     done = 0.0
-    field: Field | None = None
+    before: tuple[Field, Grid, int] | None = None
     for number, stage in enumerate(plan):
         at = stage.level
         level = _open(problem, settings, stage, images[at], targets[at], importances[at], work)
-        if field is None:
+        if before is None:
             field = _start(level, targets[at] is not None, rng)
         else:
-            field = transfer(field, grid, level.grid, 1 << (plan[number - 1].level - at), level.features.shape[:2])
-        grid = level.grid
+            field = transfer(before[0], before[1], level.grid, 1 << (before[2] - at), level.features.shape[:2])
         match = _Match(field, np.ones(field.shape[:2], np.float32), 0.0, 0.0)
         _vote(level, match, 0.0, work)
         for iteration in range(stage.iterations):
@@ -157,7 +157,7 @@ def synthesise(
             _vote(level, match, settings.histogram, work)
             done += 4.0**-at / total
             work.progress(min(1.0, done), f"level {levels - at} of {levels}")
-        field = match.field
+        before = match.field, level.grid, at
     source = vote_source(
         match.field, match.weights, level.exemplar, level.falloff, level.grid.step, level.canvas, work
     )  # fmt: skip
@@ -204,7 +204,7 @@ def _centres(values: Array, window: int) -> Array:
 
 
 def _start(level: _Level, guided: bool, rng: np.random.Generator) -> Field:
-    """Random blocks as large as a window; with a target, of the scale that it asks for (READING of section 4)."""
+    """Random blocks as large as a window; with a target, of the scale that it asks for."""
     grid = level.grid
     shape = level.features.shape[:2]
     block = max(1, grid.window // grid.step)

@@ -1,15 +1,17 @@
 """Kernels that make pixels of the windows that cover them."""
 
+# mypy: allow-untyped-defs
+
 import numpy as np
 
 from graphtex_nodes.numerics.jit import kernel
+
 
 @kernel(
     "const i4[:,:,:], const f4[:,:], const f4[:,:,:], const f4[:,:], const f4[:,:], i8, f4[:,:,:], i8, i8, i8",
     fastmath={"contract"},
 )
 def vote_mean(field, weights, exemplar, pixel_weights, falloff, step, image, channels, first, stop):
-    # type: ignore[no-untyped-def]
     """Weighted mean of the exemplar pixels that the covering windows propose, for rows ``first <= y < stop``.
 
     The weight is that of the window (``weights``, as the field), times that of the exemplar's pixel
@@ -45,10 +47,10 @@ def vote_mean(field, weights, exemplar, pixel_weights, falloff, step, image, cha
     "const i4[:,:,:], const f4[:,:], const f4[:,:,:], const f4[:,:], const f4[:,:,:], i8, i4[:,:,:], i8, i8",
     fastmath={"contract"},
 )
-def vote_source(field, weights, exemplar, falloff, image, step, source, first, stop):  # type: ignore[no-untyped-def]
+def vote_source(field, weights, exemplar, falloff, image, step, source, first, stop):
     """For each pixel the proposed source that most windows agree on, among equals the one nearest to ``image``.
 
-    Votes are the product of ``weights`` and ``falloff``. Written: ``source`` (h, w, 2), rows and columns of the exemplar.
+    Votes are the product of ``weights`` and ``falloff``. Written: ``source`` (h, w, 2), rows and columns.
     """
     window = falloff.shape[0]
     rows, columns = field.shape[0], field.shape[1]

@@ -20,7 +20,8 @@ def robust_weights(costs: Array, exponent: float) -> Array:
     if mean <= 0:
         return np.ones_like(costs)
     weights = np.power(squared / mean + FLOOR, (exponent - 2) / 2)
-    return (weights / weights.mean()).astype(np.float32)
+    relative: Array = (weights / weights.mean()).astype(np.float32)
+    return relative
 
 
 def window_falloff(window: int, sharpness: float) -> Array:

@@ -1,10 +1,12 @@
 """Kernels on windows of an image: covariance and projection."""
 
+# mypy: allow-untyped-defs
+
 from graphtex_nodes.numerics.jit import kernel
 
 
 @kernel("const f4[:,:], f8[:,:], i8, i8", fastmath={"contract"})
-def add_products(samples, total, first, stop):  # type: ignore[no-untyped-def]
+def add_products(samples, total, first, stop):
     """total += samples^T samples for the rows ``first <= row < stop`` of total (lower triangle)."""
     for row in range(first, stop):
         for index in range(samples.shape[0]):
@@ -14,7 +16,7 @@ def add_products(samples, total, first, stop):  # type: ignore[no-untyped-def]
 
 
 @kernel("const f4[:,:], i8, i8, i8, const f4[:,:], const f4[:], f4[:,:,:], i8, i8", fastmath={"contract"})
-def project(image, channels, window, step, basis, offset, out, first, stop):  # type: ignore[no-untyped-def]
+def project(image, channels, window, step, basis, offset, out, first, stop):
     """Coordinates of windows in a basis.
 
     ``image`` is (h, w * channels), ``basis`` (window * window * channels, k), ``offset`` (k): what to subtract, the

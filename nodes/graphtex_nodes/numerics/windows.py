@@ -13,7 +13,7 @@ Array = NDArray[np.float32]
 SAMPLES = 2048
 """Windows from which a basis is made."""
 LARGEST_COVARIANCE = 512
-"""Rows of a covariance; larger windows are averaged over blocks of pixels first, their detail is left to smaller ones."""
+"""Rows of a covariance; larger windows are averaged over blocks of pixels, their detail is left to smaller ones."""
 ROUNDS = 6
 """Rounds of orthogonal iteration: the kept share of variance is then right to about 0.1 %."""
 

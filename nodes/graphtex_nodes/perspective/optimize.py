@@ -3,8 +3,9 @@
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from graphtex import QUIET, Axes, Context, Image, Number, Rng, ScaleMap, SourceMap, node
 from pydantic import Field
+
+from graphtex import QUIET, Axes, Context, Image, Number, Rng, ScaleMap, SourceMap, node
 
 MISSING_WORTH_TELLING = 0.01  # share of the output below which a lacking scale is not worth a warning
 
@@ -86,13 +87,14 @@ def optimize(
     width, height
         Size of the output.
     scale_weight
-        Larger follows the scale more closely at the cost of the colours; 0.5 to 1 is best, from 2 on pictures suffer.
+        Larger follows the scale more closely at the cost of the colours. 0.5 suits a target that resembles the
+        exemplar's own map, 1 one that differs much; from 2 on pictures suffer.
     scale_mode
         ``fixed`` keeps the output's scale channel at the target. ``free`` synthesises it with the colours, as the paper
         is printed: a target then only rules the start.
     vote
         What becomes of the last search. ``blend`` takes for each pixel the source that most windows agree on, moves
-        seams between pieces to where they agree, and lets the pieces fade into each other over five pixels. ``discrete``
+        seams between pieces to where they agree, and lets pieces fade into each other over five pixels. ``discrete``
         leaves the fading out: the source map replays exactly. ``mean`` is the paper's weighted mean.
     levels, windows
         By themselves: as many levels as leave 16 pixels of the exemplar's smaller side, less where a period would no
@@ -185,8 +187,9 @@ def _problem(
     missing = guidance.missing_share(exemplar_scale, target)
     if missing > MISSING_WORTH_TELLING:
         ctx.warn(
-            f"{missing:.0%} of the output asks for scales that the exemplar lacks (it has {exemplar_scale.min():.2g} to "
-            f"{exemplar_scale.max():.2g}): the nearest are used there"
+            f"{missing:.0%} of the output asks for scales that the exemplar lacks (it has "
+            f"{exemplar_scale.min():.2g} to {exemplar_scale.max():.2g}): the nearest are used there"
         )
+        target = np.clip(target, exemplar_scale.min(), exemplar_scale.max())
     importance = guidance.importance(exemplar_scale, target)
     return Problem(exemplar, size, guide, target * np.float32(factor), mode == "fixed", importance)

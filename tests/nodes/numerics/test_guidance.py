@@ -1,0 +1,64 @@
+import numpy as np
+import pytest
+
+from graphtex_nodes.numerics import guidance
+
+ROWS = np.repeat(np.linspace(0.5, 2, 40, dtype=np.float32)[:, None], 30, axis=1)
+
+
+@pytest.mark.parametrize("weight", [0.5, 2.0])
+def test_scale_factor_is_a_ratio_of_deviations(weight):
+    colours = np.random.default_rng(0).random((40, 30, 3)).astype(np.float32)
+    factor = guidance.scale_factor(colours, ROWS, weight)
+    total = np.sqrt(colours.reshape(-1, 3).var(axis=0).sum())
+    assert (ROWS * factor).std() == pytest.approx(weight * total, rel=1e-5)
+    assert guidance.scale_factor(colours, np.ones((40, 30), np.float32), weight) == 0
+
+
+@pytest.mark.parametrize(("target", "share"), [([0.5, 2.0], 0), ([0.4, 1.0], 0.5), ([4, 0.2], 1), ([0.48, 2.09], 0)])
+def test_missing_share(target, share):
+    assert guidance.missing_share(ROWS, np.array([target], np.float32)) == share
+
+
+def test_importance_follows_the_target():
+    """A target that wants small scales only: the top of the exemplar matters, the bottom does not."""
+    importance = guidance.importance(ROWS, np.full((9, 9), 0.6, np.float32))
+    assert importance.mean() == pytest.approx(1, rel=1e-5)
+    assert importance[2:4].min() > 20 * importance[20:].max()
+
+
+def test_importance_of_the_own_scale():
+    np.testing.assert_allclose(guidance.importance(ROWS, ROWS.repeat(3, axis=1)), 1, rtol=0.02)
+
+
+def test_resampled():
+    ramp = np.array([[0, 1, 2, 3]], np.float32)
+    np.testing.assert_allclose(guidance.resampled(ramp, (2, 2)), [[0.5, 2.5]] * 2)
+    np.testing.assert_allclose(guidance.resampled(ramp, (1, 8))[0, :3], [0, 0.25, 0.75])
+    assert guidance.resampled(ramp, (1, 4)) is ramp
+    assert guidance.resampled(np.ones((1, 1), np.float32), (3, 2)).tolist() == [[1, 1]] * 3
+
+
+def test_blocks_are_copies_and_every_part_gets_its_chance():
+    field = guidance.random_blocks((12, 12), (9, 9), 1, 2, np.random.default_rng(0))
+    assert len(set(map(tuple, field.reshape(-1, 2).tolist()))) == 81
+    field = guidance.random_blocks((8, 8), (50, 50), 4, 2, np.random.default_rng(0))
+    inside = field[4:, 4:] - field[4, 4]
+    if field[4, 4].max() <= 43:
+        assert inside[3, 2].tolist() == [6, 4]
+    assert field.min() >= 0
+    assert field.max() <= 49
+
+
+def test_blocks_of_matching_scale():
+    """Every block starts within a tenth of the exemplar's ranks around the scale that it wants."""
+    wanted = np.repeat(np.linspace(0.5, 2, 20, dtype=np.float32)[:, None], 20, axis=1)
+    field = guidance.random_blocks((20, 20), (40, 30), 1, 1, np.random.default_rng(1), wanted, ROWS)
+    assert np.abs(ROWS[field[..., 0], field[..., 1]] - wanted).max() < 0.13
+    assert len(np.unique(field[..., 1])) == 30
+
+
+def test_scale_beyond_the_exemplar_takes_the_nearest():
+    wanted = np.full((4, 4), 8, np.float32)
+    field = guidance.random_blocks((4, 4), (40, 30), 1, 1, np.random.default_rng(1), wanted, ROWS)
+    assert field[..., 0].min() >= 38 - 1

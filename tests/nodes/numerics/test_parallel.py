@@ -1,0 +1,60 @@
+import threading
+
+import numpy as np
+import pytest
+
+from graphtex_nodes.numerics import parallel
+
+
+class Watch(parallel.Quiet):
+    """Counts checks and raises at a given one."""
+
+    def __init__(self, threads=1, stop_at=None):
+        self.threads = threads
+        self.stop_at = stop_at
+        self.checks = 0
+        self.caller = threading.get_ident()
+
+    def check(self):
+        assert threading.get_ident() == self.caller
+        self.checks += 1
+        if self.checks == self.stop_at:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("cost", [1.0, 1e7, 1e12])
+def test_each_row_once(threads, cost):
+    seen = np.zeros(37, int)
+
+    def task(first, stop):
+        seen[first:stop] += 1
+
+    parallel.for_rows(task, 37, cost, Watch(threads))
+    assert (seen == 1).all()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_cancelling_stops_between_bands(threads):
+    seen = np.zeros(50, int)
+
+    def task(first, stop):
+        seen[first:stop] += 1
+
+    with pytest.raises(KeyboardInterrupt):
+        parallel.for_rows(task, 50, 1e12, Watch(threads, stop_at=5))
+    assert 0 < seen.sum() < 50
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_failure_of_a_band_is_raised(threads):
+    def task(first, stop):
+        if first >= 5:
+            raise ArithmeticError("band")
+
+    with pytest.raises(ArithmeticError):
+        parallel.for_rows(task, 50, 1e12, Watch(threads))
+
+
+def test_no_rows():
+    parallel.for_rows(lambda first, stop: pytest.fail("called"), 0, 1.0, Watch(2))

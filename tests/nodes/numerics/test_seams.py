@@ -1,0 +1,81 @@
+import numpy as np
+
+from graphtex_nodes.numerics.parallel import Quiet
+from graphtex_nodes.numerics.seams import fade_seams, move_seams
+from graphtex_nodes.numerics.sources import coherence
+
+RNG = np.random.default_rng(2)
+USABLE = np.ones((12, 60), np.uint8)
+
+
+def two_pieces(cut):
+    """Columns 0 .. 19 of the exemplar up to the cut, columns 30 .. 49 after it."""
+    row, column = np.mgrid[:12, :20]
+    return np.stack([row, np.where(column < cut, column, column + 30)], axis=-1).astype(np.int32)
+
+
+def exemplar_that_agrees_at(column):
+    """Random pixels, but both pieces have the same two columns there: the seam is free in between."""
+    exemplar = RNG.random((12, 60, 3)).astype(np.float32)
+    exemplar[:, column + 29 : column + 31] = exemplar[:, column - 1 : column + 1]
+    return exemplar
+
+
+def test_seam_moves_to_where_the_pieces_agree():
+    exemplar = exemplar_that_agrees_at(9)
+    source = two_pieces(8)
+    image = np.zeros((12, 20, 3), np.float32)
+    moved = move_seams(exemplar, USABLE, image, source, pull=0.0, join=0.01, passes=4, work=Quiet())
+    np.testing.assert_array_equal(moved, two_pieces(9))
+    np.testing.assert_array_equal(source, two_pieces(8))
+
+
+def test_a_piece_that_fits_stays_whole():
+    exemplar = RNG.random((12, 60, 3)).astype(np.float32)
+    whole = two_pieces(20)
+    moved = move_seams(
+        exemplar, USABLE, np.zeros((12, 20, 3), np.float32), whole, pull=1.0, join=0.0, passes=3, work=Quiet()
+    )
+    np.testing.assert_array_equal(moved, whole)
+
+
+def test_lone_pixel_is_absorbed():
+    exemplar = RNG.random((12, 60, 3)).astype(np.float32)
+    source = two_pieces(20)
+    source[5, 6] = 3, 50
+    moved = move_seams(
+        exemplar, USABLE, exemplar[:, :20], source, pull=0.1, join=0.1, passes=1, work=Quiet()
+    )  # fmt: skip
+    assert coherence(moved) == 1
+
+
+def test_unusable_pixels_are_not_taken():
+    exemplar = np.zeros((12, 60, 3), np.float32)
+    usable = USABLE.copy()
+    usable[:, 8:20] = 0
+    moved = move_seams(
+        exemplar, usable, np.zeros((12, 20, 3), np.float32), two_pieces(8), pull=0, join=1, passes=9, work=Quiet()
+    )
+    assert usable[moved[..., 0], moved[..., 1]].all()
+
+
+def test_fading_mixes_near_the_seam_only():
+    exemplar = RNG.random((12, 60, 3)).astype(np.float32)
+    source = two_pieces(10)
+    image = fade_seams(exemplar, USABLE, source, radius=2, channels=3, work=Quiet())
+    np.testing.assert_array_equal(image[:, :8], exemplar[:, :8])
+    np.testing.assert_array_equal(image[:, 12:], exemplar[:, 42:50])
+    left, right = exemplar[:, 9], exemplar[:, 39]
+    share = ((image[:, 9] - left) * (right - left)).sum() / ((right - left) ** 2).sum()
+    np.testing.assert_allclose(image[:, 9], left + share * (right - left), atol=1e-5)
+    assert 0.2 < share < 0.5
+
+
+def test_fading_leaves_out_what_cannot_be_continued():
+    """The right piece starts at the exemplar's first column: it cannot reach over the seam, the left one can."""
+    exemplar = RNG.random((12, 60, 3)).astype(np.float32)
+    row, column = np.mgrid[:12, :20]
+    source = np.stack([row, np.where(column < 10, column + 20, column - 10)], axis=-1).astype(np.int32)
+    image = fade_seams(exemplar, USABLE, source, radius=2, channels=3, work=Quiet())
+    np.testing.assert_allclose(image[:, :10], exemplar[:, 20:30], atol=1e-6)
+    assert np.abs(image[:, 10] - exemplar[:, 0]).max() > 0.01

@@ -1,0 +1,57 @@
+import numpy as np
+import pytest
+
+from graphtex_nodes.numerics.parallel import Quiet
+from graphtex_nodes.numerics.search import search_exact, search_warm
+
+RNG = np.random.default_rng(5)
+WINDOWS = RNG.random((9, 7, 4)).astype(np.float32)
+EXEMPLAR = RNG.random((11, 13, 4)).astype(np.float32)
+
+
+def all_costs(charge):
+    return ((WINDOWS[:, :, None, None] - EXEMPLAR) ** 2).sum(-1) + charge
+
+
+def test_exact_against_all_distances():
+    charge = (RNG.random((11, 13)) * 0.3).astype(np.float32)
+    field, costs = search_exact(WINDOWS, EXEMPLAR, charge, Quiet())
+    expected = all_costs(charge).reshape(9, 7, -1)
+    np.testing.assert_array_equal(field[..., 0] * 13 + field[..., 1], expected.argmin(-1))
+    np.testing.assert_allclose(costs, expected.min(-1), rtol=1e-5)
+
+
+@pytest.mark.parametrize("warm", [False, True])
+def test_infinite_charge_is_never_chosen(warm):
+    charge = np.full((11, 13), np.inf, np.float32)
+    charge[4:6, 3] = 0
+    field, _ = search_exact(WINDOWS, EXEMPLAR, charge, Quiet())
+    if warm:
+        field, _ = search_warm(WINDOWS, EXEMPLAR, charge, field, step=1, seed=1, passes=3, work=Quiet())
+    assert set(map(tuple, field.reshape(-1, 2).tolist())) <= {(4, 3), (5, 3)}
+
+
+def test_warm_passes_never_get_worse_and_near_the_best():
+    charge = np.zeros((11, 13), np.float32)
+    field = np.zeros((9, 7, 2), np.int32)
+    before = all_costs(charge)[..., 0, 0]
+    for seed in range(40):
+        field, costs = search_warm(WINDOWS, EXEMPLAR, charge, field, step=2, seed=seed, passes=2, work=Quiet())
+        assert (costs <= before + 1e-6).all()
+        before = costs
+    best = all_costs(charge).min(axis=(2, 3))
+    assert np.mean(costs <= best + 1e-6) > 0.7
+
+
+def test_good_source_spreads_to_neighbours():
+    """A copy of a piece of the exemplar with one right source: passes without luck still find the rest."""
+    exemplar = RNG.random((40, 40, 4)).astype(np.float32)
+    windows = np.ascontiguousarray(exemplar[5:37:2, 3:35:2])
+    field = np.zeros((16, 16, 2), np.int32)
+    field[8, 8] = 5 + 16, 3 + 16
+    for seed in range(4):
+        field, costs = search_warm(
+            windows, exemplar, np.zeros((40, 40), np.float32), field, step=2, seed=seed, passes=3, work=Quiet()
+        )
+    assert np.mean(costs == 0) == 1
+    np.testing.assert_array_equal(field[0, 0], [5, 3])

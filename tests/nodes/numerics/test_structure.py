@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+
+from graphtex_nodes.numerics.levels import automatic_levels, most_levels, stages
+from graphtex_nodes.numerics.structure import dominant_period
+
+NOISE = np.random.default_rng(0).random((128, 128, 1)).astype(np.float32)
+
+
+def chequers(period, size=128):
+    row, column = np.mgrid[:size, :size]
+    return ((row // (period // 2) + column // (period // 2)) % 2).astype(np.float32)[..., None]
+
+
+@pytest.mark.parametrize("period", [8, 12, 20])
+def test_period_of_chequers(period):
+    """The nearest repeat of chequers lies along the diagonal."""
+    assert dominant_period(chequers(period)) == pytest.approx(period / 2**0.5, abs=0.5)
+
+
+def test_period_survives_noise_and_shading():
+    shading = np.linspace(0, 4, 128, dtype=np.float32)[:, None, None]
+    assert dominant_period(chequers(20) + shading + NOISE) == pytest.approx(20 / 2**0.5, abs=1)
+
+
+@pytest.mark.parametrize("image", [NOISE, NOISE[:5], np.ones((64, 64, 3), np.float32)])
+def test_no_period(image):
+    assert dominant_period(image) == 0
+
+
+@pytest.mark.parametrize(("image", "levels"), [(NOISE, 4), (chequers(16), 3), (chequers(40), 4), (NOISE[:9], 1)])
+def test_automatic_levels(image, levels):
+    assert automatic_levels(image) == levels
+
+
+def test_most_levels():
+    assert [most_levels((side, 900)) for side in (1, 6, 7, 256)] == [1, 1, 2, 7]
+
+
+def test_stages_by_hand():
+    plan = stages((64, 200), 3, (16, 8), 4)
+    assert [(s.level, s.window, s.iterations) for s in plan] == [(2, 8, 8), (1, 16, 3), (1, 8, 3), (0, 8, 4)]
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (3, 50), (17, 9)])
+def test_windows_fit_the_exemplar(shape):
+    for levels in range(1, most_levels(shape) + 1):
+        for stage in stages(shape, levels, (64, 8), 1):
+            assert 1 <= stage.window <= -(-min(shape) // 2**stage.level)

@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from graphtex_nodes.numerics import parallel
+from graphtex_nodes.numerics.levels import stages
+from graphtex_nodes.numerics.synthesis import Problem, Settings, synthesise, transfer
+from graphtex_nodes.numerics.windows import Grid
+
+RNG = np.random.default_rng(4)
+EXEMPLAR = RNG.random((40, 36, 3)).astype(np.float32)
+SCALE = np.repeat(np.linspace(0.5, 2, 40, dtype=np.float32)[:, None], 36, axis=1)
+TARGET = np.repeat(np.linspace(0.5, 2, 50, dtype=np.float32)[:, None], 61, axis=1)
+
+
+def run(problem, threads=1, seed=0, **settings):
+    work = parallel.Quiet()
+    work.threads = threads
+    plan = stages(problem.exemplar.shape, 3, (16, 8), 2)
+    return synthesise(problem, plan, Settings(**settings), np.random.default_rng(seed), work)
+
+
+@pytest.mark.parametrize("problem", [Problem(EXEMPLAR, (50, 61)), Problem(EXEMPLAR, (50, 61), SCALE, TARGET)])
+def test_threads_and_bands_change_no_byte(problem, monkeypatch):
+    first = run(problem)
+    monkeypatch.setattr(parallel, "SLICE", 2e3)
+    second = run(problem, threads=3)
+    np.testing.assert_array_equal(first.image, second.image)
+    np.testing.assert_array_equal(first.source, second.source)
+    assert first.energy == second.energy
+    assert (run(problem, seed=1).source != first.source).any()
+
+
+def test_held_and_free_guides():
+    held = run(Problem(EXEMPLAR, (50, 61), SCALE, TARGET))
+    np.testing.assert_array_equal(held.image[..., 3], TARGET)
+    free = run(Problem(EXEMPLAR, (50, 61), SCALE, TARGET, hold=False))
+    assert free.image.shape == (50, 61, 4)
+    assert (free.image[..., 3] != TARGET).any()
+    assert run(Problem(EXEMPLAR, (50, 61), SCALE)).image[..., 3].std() > 0.1
+
+
+def test_image_is_made_of_exemplar_values():
+    """A weighted mean stays in each channel's range."""
+    image = run(Problem(EXEMPLAR, (30, 20))).image
+    assert image.min() >= EXEMPLAR.min() - 1e-5
+    assert image.max() <= EXEMPLAR.max() + 1e-5
+
+
+@pytest.mark.parametrize(("factor", "old", "new"), [(1, 16, 8), (2, 8, 8), (2, 16, 8), (1, 8, 8)])
+def test_transfer_keeps_a_copy(factor, old, new):
+    """A field that copies with one shift still does after the change of grid."""
+    before, after = Grid(20, 20, old, old // 4), Grid(15, 14, new, new // 4)
+    row, column = np.mgrid[:20, :20]
+    field = np.stack([row * before.step + 7, column * before.step + 3], axis=-1).astype(np.int32)
+    found = transfer(field, before, after, factor, (900, 900))
+    row, column = np.mgrid[:15, :14]
+    expected = np.stack([row * after.step + 7 * factor, column * after.step + 3 * factor], axis=-1)
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_transfer_stays_inside():
+    field = np.full((3, 3, 2), 5, np.int32)
+    found = transfer(field, Grid(3, 3, 8, 2), Grid(9, 9, 8, 2), 2, (6, 4))
+    assert found[..., 0].max() <= 5
+    assert found[..., 1].max() <= 3
+    assert found.min() >= 0

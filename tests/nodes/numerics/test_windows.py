@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from graphtex_nodes.numerics.parallel import Quiet
+from graphtex_nodes.numerics.windows import Basis, Grid, leading_directions, principal_basis
+
+RNG = np.random.default_rng(3)
+
+
+@pytest.mark.parametrize(("size", "expected"), [((8, 8), (1, 1)), ((9, 12), (2, 3)), ((1, 30), (1, 12))])
+def test_grid_covers(size, expected):
+    grid = Grid.covering(*size, window=8, step=2)
+    assert (grid.rows, grid.columns) == expected
+    assert grid.canvas[0] >= size[0]
+    assert grid.canvas[1] >= size[1]
+
+
+@pytest.mark.parametrize("step", [1, 3])
+def test_projection_is_a_matrix_product(step):
+    """Second method: gather the windows and multiply."""
+    image = RNG.random((13, 11, 2)).astype(np.float32)
+    directions = RNG.standard_normal((4 * 4 * 2, 3)).astype(np.float32)
+    mean = RNG.standard_normal(3).astype(np.float32)
+    views = np.lib.stride_tricks.sliding_window_view(image, (4, 4), axis=(0, 1))[::step, ::step]
+    windows = np.moveaxis(views, 2, -1).reshape(*views.shape[:2], -1)
+    found = Basis(4, directions, mean).project(image, step, Quiet())
+    np.testing.assert_allclose(found, windows @ directions - mean, atol=1e-5)
+
+
+def test_leading_directions_against_lapack():
+    """The kept share of variance is that of the eigenvectors, and no column too many."""
+    square = RNG.standard_normal((40, 40)) * np.geomspace(1, 0.01, 40)
+    covariance = square.T @ square
+    values, vectors = np.linalg.eigh(covariance)
+    count = int(np.searchsorted(np.cumsum(values[::-1]) / values.sum(), 0.95)) + 1
+    found = leading_directions(covariance, 0.95)
+    np.testing.assert_allclose(found.T @ found, np.eye(found.shape[1]), atol=1e-10)
+    assert found.shape[1] in (count, count + 1)
+    best = values[::-1][: found.shape[1]].sum()
+    assert np.trace(found.T @ covariance @ found) > 0.995 * best
+    overlap = np.linalg.svd(found.T @ vectors[:, -3:], compute_uv=False)
+    assert overlap.min() > 0.99
+
+
+def test_basis_keeps_distances():
+    """With nearly all variance kept, distances between coordinates are those between windows."""
+    image = np.cumsum(RNG.standard_normal((30, 30, 3)), axis=1).astype(np.float32)
+    basis = principal_basis(image, 4, [slice(0, 2), slice(2, 3)], 0.9999, Quiet())
+    places = basis.project(image, 1, Quiet())
+    true = ((image[2:6, 3:7] - image[20:24, 11:15]) ** 2).sum()
+    assert ((places[2, 3] - places[20, 11]) ** 2).sum() == pytest.approx(true, rel=0.02)
+
+
+def test_large_windows_are_pooled():
+    """16 x 16 x 3 is over the limit: directions are constant on blocks of 2 x 2, and orthonormal."""
+    image = RNG.random((40, 40, 3)).astype(np.float32)
+    directions = principal_basis(image, 16, [slice(0, 3)], 0.5, Quiet()).directions
+    blocks = directions.reshape(8, 2, 8, 2, 3, -1)
+    np.testing.assert_array_equal(blocks[:, 0, :, 0], blocks[:, 1, :, 1])
+    kept = directions[:, np.abs(directions).sum(axis=0) > 0]
+    np.testing.assert_allclose(kept.T @ kept, np.eye(kept.shape[1]), atol=1e-5)
+
+
+def test_constant_image():
+    basis = principal_basis(np.full((9, 9, 1), 0.5, np.float32), 4, [slice(0, 1)], 0.95, Quiet())
+    assert np.abs(basis.project(np.full((6, 6, 1), 0.5, np.float32), 1, Quiet())).max() < 1e-6
