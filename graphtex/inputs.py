@@ -64,7 +64,7 @@ def read_text(kind: Input, text: str) -> Any:
         if "," in text or text.startswith("["):
             return [part.strip() for part in text.strip("[]").split(",")]
         return text if inner in TYPES or inner == "file" else [text]
-    from graphtex.files import read_scalar
+    from graphtex.files.yamltree import read_scalar
 
     value = read_scalar(text)
     if many and not isinstance(value, list):

@@ -121,7 +121,7 @@ def included(graph: Graph, path: Place, entry: Entry, chain: Chain) -> Graph:
 
 @lru_cache(maxsize=64)
 def _read(file: Path, mtime: int, size: int) -> tuple[Graph | None, list[Problem]]:
-    from graphtex.files import read_file
+    from graphtex.files.disk import read_file
 
     return read_file(file)
 

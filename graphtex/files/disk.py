@@ -4,12 +4,11 @@ import codecs
 import os
 import tempfile
 from pathlib import Path
-from typing import Any
 
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.files.reader import read
 from graphtex.files.writer import dumps
-from graphtex.files.yamltree import BULK_HINT, MAX_SIZE, parse
+from graphtex.files.yamltree import BULK_HINT, MAX_SIZE
 from graphtex.graph import Graph
 
 _FOREIGN = ((codecs.BOM_UTF32_LE, "UTF-32"), (codecs.BOM_UTF32_BE, "UTF-32"), (codecs.BOM_UTF16_LE, "UTF-16"),
@@ -55,11 +54,10 @@ def _decoded(data: bytes) -> str:
     for mark, name in _FOREIGN:
         if data.startswith(mark):
             raise _Unreadable(f"the file is {name}; save it as UTF-8")
-    data = data.removeprefix(codecs.BOM_UTF8)
     try:
         return data.decode()
     except UnicodeDecodeError as error:
-        before = data[: error.start].decode()
+        before = data[: error.start].decode().removeprefix("\ufeff")
         lines = before.replace("\r\n", "\n").replace("\r", "\n").split("\n")
         message = f"not UTF-8: byte 0x{data[error.start]:02x}; save the file as UTF-8"
         raise _Unreadable(message, len(lines), len(lines[-1]) + 1) from None
@@ -105,36 +103,3 @@ def _umask() -> int:
     mask = os.umask(0o077)
     os.umask(mask)
     return mask
-
-
-def loads(text: str) -> Graph:
-    """Return the graph that a text holds; GraphError with all that is wrong, in form and in meaning."""
-    return _checked(*read(text))
-
-
-def load(path: str | os.PathLike[str]) -> Graph:
-    """Return the graph of a file; GraphError with all that is wrong, in form and in meaning."""
-    return _checked(*read_file(path))
-
-
-def _checked(graph: Graph | None, problems: list[Problem]) -> Graph:
-    from graphtex.check import check  # it reads files itself: sub-graphs
-
-    if graph is not None:
-        told = {(p.file, p.line, p.column) for p in problems}  # what follows from those is left out
-        problems = problems + [p for p in check(graph) if not p.line or (p.file, p.line, p.column) not in told]
-    if graph is None or problems:
-        raise GraphError(problems)
-    return graph
-
-
-def read_scalar(text: str) -> Any:
-    """Return what a text means as a value of a graph file: ``3`` is a number, ``[a, b]`` a list; ValueError if nothing.
-
-    >>> read_scalar("1e3"), read_scalar("no"), read_scalar("[1, 2]")
-    (1000.0, 'no', [1, 2])
-    """
-    tree = parse(text)
-    if tree.problems:
-        raise ValueError(tree.problems[0].message)
-    return tree.data

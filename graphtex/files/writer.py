@@ -11,7 +11,8 @@ from typing import Any
 
 from graphtex.errors import GraphError, Problem
 from graphtex.files.reader import read
-from graphtex.files.yamltree import MAX_DEPTH, MAX_DIGITS, MAX_KEY
+from graphtex.files.scalars import MAX_DIGITS
+from graphtex.files.yamltree import MAX_DEPTH, MAX_KEY
 from graphtex.graph import FORMAT, REQUIRED, Entry, Graph, Input, Output
 from graphtex.node import RESERVED
 from graphtex.parameters import shorten

@@ -1,14 +1,12 @@
 """Strict YAML 1.2: text becomes plain data, with the line and column of every key and value.
 
-Scalars follow the core schema of YAML 1.2.2 (section 10.3.2): ``no``, ``on``, ``12:30``, ``0b1`` and ``2024-01-01``
-are text, ``0777`` is 777, ``0o17`` and ``0x1F`` are integers, ``1e3`` is a float. Beyond the standard, all that makes
-a file mean something else than it seems to is refused: duplicate keys, keys that are no text, tags, anchors and
-aliases (and with them alias bombs), merge keys, several documents, control characters, deep nesting.
+Beyond the standard, all that makes a file mean something else than it seems to is refused: duplicate keys, keys that
+are no text, tags, anchors and aliases (and with them alias bombs), merge keys, several documents, control characters,
+deep nesting.
 
 Events are turned into data by an explicit stack, so no input can exhaust Python's.
 """
 
-import math
 import re
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,13 +14,13 @@ from typing import Any
 import yaml
 
 from graphtex.errors import Problem
+from graphtex.files.scalars import resolve
 from graphtex.files.syntax import explain
 from graphtex.graph import Place
 
 MAX_DEPTH = 50
 MAX_KEY = 100  # characters; the writer's longest escape makes this fit YAML's limit of 1024 for a key
 MAX_TEXT = 100_000  # characters of one scalar
-MAX_DIGITS = 250  # so that every whole number fits a float
 MAX_SIZE = 1 << 20  # bytes of a file
 
 BULK_HINT = "keep strokes and other bulky data in files of their own"
@@ -31,15 +29,6 @@ _UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\ud80
 _LINE = re.compile("\r\n|\r|\n")
 _SURROGATE = re.compile("[\ud800-\udfff]")
 _MOST_UNPRINTABLE = 20  # reported of one text
-
-_WORDS: dict[str, bool | None] = {"": None, "~": None}
-_WORDS.update({form("null"): None for form in (str.lower, str.capitalize, str.upper)})
-_WORDS.update({form("true"): True for form in (str.lower, str.capitalize, str.upper)})
-_WORDS.update({form("false"): False for form in (str.lower, str.capitalize, str.upper)})
-_INTEGERS = ((re.compile("[-+]?[0-9]+"), 10), (re.compile("0o[0-7]+"), 8), (re.compile("0x[0-9a-fA-F]+"), 16))
-_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-_INFINITE = re.compile(r"[-+]?\.(inf|Inf|INF)")
-_NAN = re.compile(r"\.(nan|NaN|NAN)")
 
 
 @dataclass
@@ -72,6 +61,7 @@ def parse(text: str, file: str = "") -> Tree:
     {'a': ['no', 15, 1000.0]}
     """
     tree = Tree()
+    text = text.removeprefix("\ufeff")  # the byte order mark that some editors write
     if len(text) > MAX_SIZE:
         tree.problems.append(Problem(file, 0, 0, "", f"longer than {MAX_SIZE} characters; {BULK_HINT}"))
         return tree
@@ -96,27 +86,16 @@ def parse(text: str, file: str = "") -> Tree:
     return tree
 
 
-def resolve(text: str) -> tuple[Any, str]:
-    """Return what an unquoted scalar means by the core schema, and what is wrong with it or "".
+def read_scalar(text: str) -> Any:
+    """Return what a text means as a value of a graph file: ``3`` is a number, ``[a, b]`` a list; ValueError if nothing.
 
-    >>> resolve("0x1F"), resolve("on")
-    ((31, ''), ('on', ''))
+    >>> read_scalar("1e3"), read_scalar("no"), read_scalar("[1, 2]")
+    (1000.0, 'no', [1, 2])
     """
-    if text in _WORDS:
-        return _WORDS[text], ""
-    for pattern, base in _INTEGERS:
-        if pattern.fullmatch(text):
-            if len(text) > MAX_DIGITS:
-                return 0, f"a number of {len(text)} digits; quote it if it is text"
-            return int(text, base), ""
-    if _FLOAT.fullmatch(text):
-        value = float(text)
-        if math.isinf(value):
-            return 0.0, f"{text[:40]} is too large for a number; infinity is written .inf"
-        return value, ""
-    if _INFINITE.fullmatch(text):
-        return -math.inf if text[0] == "-" else math.inf, ""
-    return (math.nan, "") if _NAN.fullmatch(text) else (text, "")
+    tree = parse(text)
+    if tree.problems:
+        raise ValueError(tree.problems[0].message)
+    return tree.data
 
 
 def _unprintable(text: str, file: str) -> list[Problem]:

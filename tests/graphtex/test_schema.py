@@ -8,6 +8,7 @@ from graphtex.files import loads
 from graphtex.files.yamltree import parse
 from graphtex.node import RESERVED
 from graphtex.packs import registry
+from graphtex.parameters import json_types
 from graphtex.schema import graph_schema
 from tests.graphtex.conftest import make_only_pack
 
@@ -163,6 +164,23 @@ def test_only_a_parameter_that_takes_numbers_can_be_measured(small_pack):
     measured = {"$ref": "#/$defs/measured"}
     assert measured in definitions["node.Threshold"]["properties"]["level"]["anyOf"]
     assert measured not in definitions["node.Threshold"]["properties"]["method"]["anyOf"]
+
+
+@pytest.mark.parametrize(
+    ("node", "parameter", "types"),
+    [
+        ("Noise", "width", {"integer"}),
+        ("Threshold", "level", {"number", "integer"}),
+        ("Threshold", "method", {"string"}),
+        ("Blend", "weights", {"array", "null"}),
+        ("Paint", "strokes", {"array"}),
+        ("Paint", "closed", {"boolean"}),
+        ("Label", "tags", {"object", "null"}),
+        ("OpenText", "path", {"string"}),
+    ],
+)
+def test_json_types(small_pack, node, parameter, types):
+    assert json_types(small_pack.nodes[node].parameters, parameter) == types
 
 
 def test_models_of_two_nodes_do_not_mix(small_pack):

@@ -1,11 +1,12 @@
+import json
 import math
 
 import pytest
-import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphtex.files.yamltree import MAX_DEPTH, MAX_SIZE, described, parse, resolve
+from graphtex.files.scalars import resolve
+from graphtex.files.yamltree import MAX_DEPTH, MAX_SIZE, described, parse
 
 
 @pytest.mark.parametrize(
@@ -57,6 +58,10 @@ def test_columns_count_characters_and_every_kind_of_line_break():
     tree = parse("a: 1\r\nb: 2\rc: {größe🧱: [1, x]}\n")
     assert tree.key_places["c",] == (3, 1)
     assert tree.places["c", "größe🧱", 1] == (3, 17)
+
+
+def test_a_byte_order_mark_is_passed_over():
+    assert parse("\ufeffa: 1").places["a",] == (1, 4)
 
 
 def test_quotes_and_blocks_are_always_text():
@@ -163,18 +168,20 @@ def test_unprintable_characters_are_not_listed_without_end():
     assert len(parse("\x00" * 1000).problems) == 20
 
 
-PLAIN = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
-    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=9), inner, max_size=4),
+LETTERS = st.characters(exclude_categories=["Cc", "Cs", "Cn", "Zl", "Zp"], exclude_characters="\ufeff") | st.just("\n")
+TEXT = st.text(LETTERS, max_size=100)
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | TEXT,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(TEXT, inner, max_size=4),
     max_leaves=12,
 )
 
 
 @settings(max_examples=150, deadline=None)
-@given(PLAIN)
-def test_reads_what_pyyaml_writes(value):
-    """A second writer: PyYAML quotes whatever YAML 1.1 or 1.2 would take for another type."""
-    tree = parse(yaml.safe_dump(value, sort_keys=False))
+@given(JSON, st.sampled_from([None, 2]))
+def test_json_is_yaml(value, indent):
+    """Another writer: JSON is a part of YAML 1.2."""
+    tree = parse(json.dumps(value, ensure_ascii=False, indent=indent))
     assert tree.problems == []
     assert repr(tree.data) == repr(value)
 
