@@ -132,7 +132,7 @@ def photograph(plane: Plane, paint: Callable[[Region], Array], *, oversampling: 
 
     The plane is painted in strips whose scale falls by half, each on a grid as fine as its nearest row needs
     (`oversampling` texels for a pixel), and averaged over each pixel's footprint by summed-area tables: a footprint is
-    a box in plane coordinates but for a shear, which two by two boxes for each pixel follow.
+    a box in plane coordinates but for a shear, which two boxes for each pixel, one behind the other, follow.
 
     `paint` must draw the same plane whatever the region and its density are.
     """
@@ -170,15 +170,14 @@ def _photograph_strip(
     summed = np.zeros((rows + 1, columns + 1, texels.shape[2]))
     np.cumsum(np.cumsum(texels, axis=0, dtype=np.float64), axis=1, out=summed[1:, 1:])
     total = np.zeros((across.size, texels.shape[2]))
-    for dx in (-0.25, 0.25):
-        for dy in (-0.25, 0.25):
-            u_at, v_at = plane.to_plane(across + dx, along + dy)
-            wide, deep = plane.stretch(plane.scale_at(along + dy))
-            # half of the pixel's footprint, but never less than a texel: nothing is gained inside one
-            half_u, half_v = (np.maximum(extent * density / 2, 1) / 2 for extent in (wide, deep))
-            column, row = (u_at - u0) * density + 0.5, (v_at - v0) * density + 0.5
-            total += _box_means(summed, row - half_v, row + half_v, column - half_u, column + half_u)
-    return total / 4
+    for dy in (-0.25, 0.25):
+        u_at, v_at = plane.to_plane(across, along + dy)
+        wide, deep = plane.stretch(plane.scale_at(along + dy))
+        # half of the pixel's footprint, but never less than a texel: nothing is gained inside one
+        half_u, half_v = np.maximum(wide * density, 1) / 2, np.maximum(deep * density / 2, 1) / 2
+        column, row = (u_at - u0) * density + 0.5, (v_at - v0) * density + 0.5
+        total += _box_means(summed, row - half_v, row + half_v, column - half_u, column + half_u)
+    return total / 2
 
 
 def _box_means(summed: Array, top: Array, bottom: Array, left: Array, right: Array) -> Array:

@@ -1,5 +1,6 @@
 """What the procedural exemplars share: noise and elements that are fixed to the plane, light, colour."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from graphtex_nodes.numerics.plane import Plane, Region
 
 Array = NDArray[Any]
 
+BATCH = 200_000  # values worked on at once: what a cache holds
 LIGHT = (-0.64, 0.77)  # where the light comes from in the picture (right, up): the upper left
 
 
@@ -42,6 +44,14 @@ def scatter(i: Array, j: Array, key: int) -> Array:
     for shift, factor in ((33, 0xFF51AFD7ED558CCD), (29, 0xC4CEB9FE1A85EC53)):
         state = (state ^ (state >> np.uint64(shift))) * np.uint64(factor)
     return ((state ^ (state >> np.uint64(32))) >> np.uint64(40)).astype(np.float32) / np.float32(1 << 24)
+
+
+def scatter_cells(i: Array, j: Array, keys: list[int]) -> list[Array]:
+    """`scatter` for each key where many places share a cell: i, j, integer arrays of one shape, span few cells."""
+    first, other = int(i.min()), int(j.min())
+    rows, columns = np.arange(first, int(i.max()) + 1)[:, None], np.arange(other, int(j.max()) + 1)[None, :]
+    cell = (i - first) * columns.size + (j - other)
+    return [scatter(rows, columns, key).ravel()[cell] for key in keys]
 
 
 def noise(region: Region, cell: float, key: int, *, stretch: float = 1.0) -> Array:
@@ -115,6 +125,59 @@ def visible_centres(plane: Plane, points: Array) -> Array:
         kept &= 1 + plane.steepness * plane.centre_scale * plane.foreshortening * points[:, 1] > 0
     centres: Array = np.stack([x[kept], y[kept]], axis=1)
     return centres[np.lexsort((centres[:, 0], centres[:, 1]))]
+
+
+def lay(
+    centres: Array,
+    reach: Array,
+    rise: Callable[[Array, Array, Array], Array],
+    region: Region,
+    ground: Array,
+    owner: Array,
+    *,
+    first: int = 0,
+) -> None:
+    """Lay elements on the ground: where one rises above it, `ground` takes its height and `owner` its number.
+
+    Parameters
+    ----------
+    centres, reach
+        Places (n, 2) and radii (n,) that hold the elements, plane units.
+    rise
+        `rise(some, du, dv)` gives heights (k, side, side) of the elements `some` (k,) at offsets du, dv (k, side) from
+        their centres.
+    ground, owner
+        Arrays of the region, changed in place.
+    first
+        Number of the first element in `owner`.
+    """
+    near = (
+        (centres[:, 0] > region.u[0] - reach)
+        & (centres[:, 0] < region.u[-1] + reach)
+        & (centres[:, 1] > region.v[0] - reach)
+        & (centres[:, 1] < region.v[-1] + reach)
+    )
+    numbers = np.flatnonzero(near)
+    if not len(numbers):
+        return
+    numbers = numbers[np.argsort(reach[numbers], kind="stable")]  # windows of one size at a time
+    values = len(numbers) * (2 * reach[numbers].max() * region.density + 2) ** 2
+    for some in np.array_split(numbers, max(1, min(len(numbers), int(values / BATCH)))):
+        around = reach[some[-1]]
+        side = int(np.ceil(2 * around * region.density)) + 1
+        column = np.floor((centres[some, 0] - around - region.u0) * region.density).astype(int)
+        row = np.floor((centres[some, 1] - around - region.v0) * region.density).astype(int)
+        du = region.u0 + (column[:, None] + np.arange(side)) / region.density - centres[some, 0, None]
+        dv = region.v0 + (row[:, None] + np.arange(side)) / region.density - centres[some, 1, None]
+        heights = rise(some, du.astype(np.float32), dv.astype(np.float32))
+        for number, i, j, patch in zip(some.tolist(), row.tolist(), column.tolist(), heights, strict=True):
+            top, left, bottom, right = max(i, 0), max(j, 0), max(i + side, 0), max(j + side, 0)
+            window = ground[top:bottom, left:right]
+            inside = patch[top - i : top - i + window.shape[0], left - j : left - j + window.shape[1]]
+            if inside.size and inside.shape == window.shape:
+                higher = inside > window
+                np.copyto(window, inside, where=higher)
+                np.copyto(owner[top:bottom, left:right], first + number, where=higher)
 
 
 def shading(height: Array, region: Region, tilt: float, *, elevation: float, reach: float, softness: float) -> Array:

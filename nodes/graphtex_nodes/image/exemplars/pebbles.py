@@ -1,5 +1,6 @@
 """Pebbles on the ground, seen at any slant and tilt."""
 
+from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from graphtex import QUIET, Context, Rng, node
 from graphtex_nodes.image.exemplars._paint import (
     encoded,
     fractal,
+    lay,
     linear,
     openness,
     scattered_points,
@@ -95,8 +97,9 @@ def pebbles(
         ctx.check()
         ground = np.float32(0.05 * size) * fractal(region, 0.3 * size, keys[0])
         owner = np.full(ground.shape, -1, np.int32)
-        lay_stones(small, region, ground, owner, first=0)
-        lay_stones(large, region, ground, owner, first=counts[0])
+        lay(small.centres, OUTLINE * small.axes[:, 0], partial(_rise, small), region, ground, owner)
+        reach = OUTLINE * large.axes[:, 0]
+        lay(large.centres, reach, partial(_rise, large), region, ground, owner, first=counts[0])
         return light_stones(ground, owner, region, size, tilt, colours, stripes, keys)
 
     picture = photograph(plane, paint)
@@ -129,37 +132,6 @@ def relaxed_stones(plane: Plane, size: float, rng: np.random.Generator) -> Stone
     axes = axes * (0.99 - 0.14 * rng.random((count, 1)) ** 2)
     tops = axes[:, 1] * rng.uniform(0.55, 0.8, count)
     return Stones(points, axes, angles, tops, rng.normal(0, 0.045, (count, 4)))
-
-
-def lay_stones(stones: Stones, region: Region, ground: Array, owner: Array, *, first: int) -> None:
-    """Raise `ground` to the stones that stick out of it, and write their numbers (from `first`) to `owner`."""
-    reach = OUTLINE * stones.axes.max()
-    near = (
-        (stones.centres[:, 0] > region.u[0] - reach)
-        & (stones.centres[:, 0] < region.u[-1] + reach)
-        & (stones.centres[:, 1] > region.v[0] - reach)
-        & (stones.centres[:, 1] < region.v[-1] + reach)
-    )
-    numbers = np.flatnonzero(near)
-    numbers = numbers[np.argsort(stones.axes[numbers, 0], kind="stable")]  # windows of one size at a time
-    for some in np.array_split(numbers, max(1, int(len(numbers) * (2 * reach * region.density) ** 2 / 200_000))):
-        if not len(some):
-            continue
-        reach = OUTLINE * stones.axes[some[-1], 0]
-        side = int(np.ceil(2 * reach * region.density)) + 1
-        column = np.floor((stones.centres[some, 0] - reach - region.u0) * region.density).astype(int)
-        row = np.floor((stones.centres[some, 1] - reach - region.v0) * region.density).astype(int)
-        du = region.u0 + (column[:, None] + np.arange(side)) / region.density - stones.centres[some, 0, None]
-        dv = region.v0 + (row[:, None] + np.arange(side)) / region.density - stones.centres[some, 1, None]
-        rise = _rise(stones, some, du.astype(np.float32), dv.astype(np.float32))
-        for number, i, j, patch in zip(some, row, column, rise, strict=True):
-            top, left, bottom, right = max(i, 0), max(j, 0), max(i + side, 0), max(j + side, 0)
-            window = ground[top:bottom, left:right]
-            patch = patch[top - i : top - i + window.shape[0], left - j : left - j + window.shape[1]]
-            if patch.size and patch.shape == window.shape:
-                higher = patch > window
-                np.copyto(window, patch, where=higher)
-                np.copyto(owner[top:bottom, left:right], first + number, where=higher)
 
 
 def _rise(stones: Stones, some: Array, du: Array, dv: Array) -> Array:

@@ -1,0 +1,131 @@
+"""Thin features whose density tells the size of texels (Dong, Zhou & Paul 2008, section 3.1; Wu & Yu 2004)."""
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from graphtex import QUIET, Context, Image, Mask, node
+
+Array = NDArray[Any]
+Method = Literal["canny", "ridges", "contrast"]
+Polarity = Literal["both", "bright", "dark"]
+
+USUAL: dict[Method, float] = {"canny": 1.6, "ridges": 0.25, "contrast": 0.3}
+"""Threshold 1 of each method, in standard deviations of the picture."""
+
+
+@node
+def feature_mask(
+    image: Image,
+    *,
+    method: Annotated[Method, Field(description="edges, lines, or outlines of what stands out")] = "canny",
+    sigma: Annotated[float, Field(gt=0, le=32, description="smoothing before anything else, pixels")] = 1.0,
+    threshold: Annotated[float, Field(gt=0, description="how strong a feature must be, 1 suits most pictures")] = 1.0,
+    polarity: Annotated[Polarity, Field(description="bright or dark lines and spots, or both")] = "both",
+    neighbourhood: Annotated[float, Field(gt=0, description="method contrast: radius to compare with, pixels")] = 8.0,
+    ctx: Context = QUIET,
+) -> Mask:
+    """Mask of thin features: lines one pixel wide, so that there are fewer of them where texels are larger.
+
+    Filled regions would not do: the share of a picture that stones cover is the same for small and large stones, but
+    the length of their outlines is not. That is what `FeatureScale` relies on.
+
+    Parameters
+    ----------
+    image
+        (h, w, c) of any number of channels. Features are sought along the principal direction of its colours, which
+        shows red on green as well as light on dark.
+    method
+        ``canny``: edges (Canny 1986), strong ones and the weak ones of half the threshold that continue them.
+        ``ridges``: centre lines of lines (mortar, gaps, blades), where the Hessian's larger eigenvalue stands out.
+        ``contrast``: outlines of what differs from the mean of its neighbourhood.
+    sigma
+        Standard deviation of the Gaussian, for ridges about half the width of a line. Grain finer than this is passed
+        over: raise it for large photographs in which only the near texels show grain.
+    threshold
+        Relative to a value for each method that was found to suit most pictures, in standard deviations of the picture:
+        1.6 for canny's gradient (change over two pixels), 0.25 for the curvature of ridges (times sigma²), 0.3 for the
+        difference of contrast.
+    polarity
+        Which ridges or spots. An edge has a bright and a dark side, so canny takes ``both`` only.
+
+    Returns
+    -------
+    Mask
+        (h, w), True on features. All False (with a warning) if there are none.
+
+    Raises
+    ------
+    ValueError
+        A polarity with canny.
+    """
+    if method == "canny" and polarity != "both":
+        raise ValueError(f"polarity: method canny has edges of both sides only, expected 'both', got {polarity!r}")
+    grey = principal_channel(image)
+    contrast = float(grey.std())
+    if contrast < 1e-6:
+        ctx.warn("the picture is flat: it has no features")
+        return np.zeros(grey.shape, bool)
+    grey = grey / (contrast * USUAL[method] * threshold)  # a feature's strength is 1 or more now
+    if method == "canny":
+        mask = _edges(grey, sigma)
+    elif method == "ridges":
+        mask = _ridges(grey, sigma, polarity)
+    else:
+        mask = _outlines(grey, sigma, polarity, neighbourhood)
+    if not mask.any():
+        ctx.warn("no features found: a lower threshold, another sigma or method may find some")
+    return mask
+
+
+def principal_channel(image: Array) -> Array:
+    """Values (h, w), float64, along the direction of largest variance of the colours, brighter colours being larger."""
+    colours = image.astype(np.float64)
+    if colours.shape[2] == 1:
+        return colours[..., 0]
+    colours = colours - colours.mean(axis=(0, 1))
+    # einsum adds in one order, whatever the number of threads: a mask must not depend on it
+    covariance = np.einsum("hwc,hwd->cd", colours, colours, optimize=False)
+    axis = np.linalg.eigh(covariance)[1][:, -1]
+    axis = axis if axis.sum() >= 0 else -axis
+    result: Array = np.einsum("hwc,c->hw", colours, axis, optimize=False)
+    return result
+
+
+def _edges(grey: Array, sigma: float) -> Array:
+    from skimage.feature import canny
+
+    # skimage's Sobel is a mean, half the difference of neighbours two apart
+    edges: Array = canny(grey, sigma, 0.5, 1.0, mode="nearest")
+    return edges
+
+
+def _ridges(grey: Array, sigma: float, polarity: Polarity) -> Array:
+    from scipy.ndimage import gaussian_filter
+    from skimage.morphology import skeletonize
+
+    yy, xy, xx = (gaussian_filter(grey, sigma, order=o, mode="nearest") * sigma**2 for o in ((2, 0), (1, 1), (0, 2)))
+    middle, spread = (yy + xx) / 2, np.hypot((yy - xx) / 2, xy)
+    # a line curves in one direction only: the larger eigenvalue less what curves the other way
+    dark = middle + spread - np.maximum(spread - middle, 0)
+    bright = spread - middle - np.maximum(middle + spread, 0)
+    mask = np.zeros(grey.shape, bool)
+    for side, strength in (("dark", dark), ("bright", bright)):
+        if polarity in (side, "both"):
+            mask |= skeletonize(strength > 1)
+    return mask
+
+
+def _outlines(grey: Array, sigma: float, polarity: Polarity, neighbourhood: float) -> Array:
+    from scipy.ndimage import binary_erosion, gaussian_filter
+
+    smooth = gaussian_filter(grey, sigma, mode="nearest")
+    apart = smooth - gaussian_filter(grey, neighbourhood, mode="nearest")
+    mask = np.zeros(grey.shape, bool)
+    for side, difference in (("bright", apart), ("dark", -apart)):
+        if polarity in (side, "both"):
+            spots = difference > 1
+            mask |= spots & ~binary_erosion(spots, border_value=1)
+    return mask
