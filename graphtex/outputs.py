@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from graphtex.cache import EntryLost
 from graphtex.errors import GraphtexError
 from graphtex.handlers import DEFAULT_SUFFIX, find_writer
 from graphtex.parameters import validate
@@ -19,32 +20,38 @@ class OutputError(GraphtexError):
 
 
 def write_outputs(result: RunResult, folder: Path) -> dict[str, list[Path]]:
-    """Write all outputs of a run into a folder and return the files by output; gaps of failed cells have none.
+    """Write all outputs of a run into a folder and return the files by output.
+
+    Gaps of failed cells have none, nor has what a run that failed did not reach, nor a type that no file holds.
 
     Raises
     ------
     OutputError
         If a file cannot be written or its format cannot hold the value; files written before stay.
     """
-    written: dict[str, list[Path]] = {}
-    for name, output in result.plan.outputs.items():
-        items = list(_files(output, result[name]))
-        written[name] = [
-            write_value(output, value, folder / file) for file, value in items if not isinstance(value, Gap)
-        ]
-    return written
+    return {name: list(_write_output(output, result, folder)) for name, output in result.plan.outputs.items()}
 
 
-def _files(output: PlannedOutput, value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the file name of each item: lists are numbered."""
-    file = output.file or f"{output.name}{DEFAULT_SUFFIX.get(output.type.base.name, '')}"
-    if not output.type.many:
-        yield file, value
+def _write_output(output: PlannedOutput, result: RunResult, folder: Path) -> Iterator[Path]:
+    suffix = DEFAULT_SUFFIX.get(output.type.base.name)
+    if output.file is None and suffix is None:
         return
-    stem, dot, suffix = file.rpartition(".")
-    digits = len(str(max(len(value) - 1, 0)))
-    for index, item in enumerate(value):
-        yield f"{stem}-{index:0{digits}d}{dot}{suffix}", item
+    file = output.file or f"{output.name}{suffix}"
+    try:
+        value = result[output.name]
+    except EntryLost:  # only after a failure: a run that ends well holds its outputs
+        return
+    for name, item in _numbered(file, value) if isinstance(value, list) else [(file, value)]:
+        if not isinstance(item, Gap):
+            yield write_value(output, item, folder / name)
+
+
+def _numbered(file: str, items: list[Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the file name of each item: ``cells-07.png``."""
+    suffix = Path(file).suffix
+    digits = len(str(max(len(items) - 1, 0)))
+    for index, item in enumerate(items):
+        yield f"{file.removesuffix(suffix)}-{index:0{digits}d}{suffix}", item
 
 
 def write_value(output: PlannedOutput, value: Any, path: Path) -> Path:

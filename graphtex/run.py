@@ -18,6 +18,7 @@ from graphtex.graph import Graph
 from graphtex.plan import Plan, Task
 from graphtex.schedule import Emit, Finished, Report, schedule
 from graphtex.shipped import graph_identity
+from graphtex.sockets import Gap
 from graphtex.work import Held
 
 
@@ -61,8 +62,8 @@ class RunResult(Mapping[str, Any]):
         return any(report.status in ("failed", "skipped") for report in self.reports.values())
 
     def value(self, slot: Any) -> Any:
-        """Return the value of any task's output: a `Gap` if the task failed; `EntryLost` if it was not kept."""
-        held = self.finished.held[slot]
+        """Return the value of any task's output: a `Gap` if it failed or was not reached; `EntryLost` if not kept."""
+        held = self.finished.held.get(slot, Gap(slot.task, "the run ended before it"))
         return held.load(self.cache) if isinstance(held, Held) else held
 
 
@@ -164,7 +165,7 @@ class Explainer:
         old = self._last.get(task.id)
         if old is None:
             return "not run before"
-        return "; ".join(str(change) for change in explain_change(old, parts)) or "its result is no longer stored"
+        return "; ".join(str(change) for change in explain_change(old, parts)) or "its result is not stored"
 
     def remember(self, parts: Mapping[str, KeyParts], emit: Emit) -> None:
         """Record what the keys of this run were made of; tasks that were not reached keep what they had."""

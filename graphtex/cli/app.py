@@ -2,7 +2,6 @@
 
 import os
 import sys
-import traceback
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,7 +17,7 @@ from graphtex.cli.nodes import nodes
 from graphtex.cli.run import run
 from graphtex.cli.schema import schema
 from graphtex.cli.show import show
-from graphtex.cli.terminal import DONE, FAILED, INTERRUPTED, WRONG, complain, say
+from graphtex.cli.terminal import DONE, FAILED, INTERRUPTED, WRONG, complain, debug, say, trace
 from graphtex.cli.why import why
 from graphtex.errors import GraphError, GraphtexError
 
@@ -49,6 +48,7 @@ def make_app() -> App:
         help_format="plaintext",
         default_parameter=Parameter(negative=(), show_default=False),
         result_action="return_value",
+        suppress_keyboard_interrupt=False,
     )
     commands: tuple[Callable[..., int], ...] = (run, demo, check, show, nodes, why, schema, new)
     for command in commands:
@@ -61,18 +61,20 @@ def call(arguments: Sequence[str]) -> int:
     """Carry out a command line and return its exit status; nothing that a user can type ends in a traceback."""
     words = list(arguments)
     end = words.index("--") if "--" in words else len(words)
-    debug = "--debug" in words[:end] or os.environ.get(DEBUG_VARIABLE, "") not in ("", "0")
+    token = debug.set("--debug" in words[:end] or os.environ.get(DEBUG_VARIABLE, "") not in ("", "0"))
     words = [word for word in words[:end] if word != "--debug"] + words[end:]
     try:
-        status = _carry_out(words, debug)
+        status = _carry_out(words)
         sys.stdout.flush()
         return status
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         _silence(sys.stdout, sys.stderr)
         return BROKEN_PIPE
+    finally:
+        debug.reset(token)
 
 
-def _carry_out(words: list[str], debug: bool) -> int:
+def _carry_out(words: list[str]) -> int:
     app = make_app()
     try:
         status = app(spread(words), print_error=False, exit_on_error=False)
@@ -82,26 +84,22 @@ def _carry_out(words: list[str], debug: bool) -> int:
         say(f"{chain}: {_one_line(str(error))} (see {chain} --help)", "red")
         return WRONG
     except GraphError as error:
-        if debug:
-            traceback.print_exc()
+        trace(error)
         complain(error.problems)
         return WRONG
     except BrokenPipeError:
         raise
     except (KeyboardInterrupt, GraphtexError, MemoryError) as error:
-        if debug:
-            traceback.print_exc()
+        trace(error)
         if isinstance(error, KeyboardInterrupt):
             say("interrupted", "yellow")
             return INTERRUPTED
         say(str(error) or "out of memory", "red")
         return FAILED
     except Exception as error:  # noqa: BLE001 (a fault of ours or of a pack: one line, and how to see the rest)
-        if debug:
-            traceback.print_exc()
-        else:
-            hint = f"a fault in graphtex or a node pack; --debug or {DEBUG_VARIABLE}=1 shows the traceback"
-            say(f"internal error: {type(error).__name__}: {_one_line(str(error))} ({hint})", "red")
+        trace(error)
+        hint = f"a fault in graphtex or a node pack; --debug or {DEBUG_VARIABLE}=1 shows the traceback"
+        say(f"internal error: {type(error).__name__}: {_one_line(str(error))} ({hint})", "red")
         return FAILED
 
 

@@ -18,9 +18,9 @@ def demo(*, out: Path = Path("graphtex-out/demo"), quiet: bool = False) -> int:
         Tell nothing of the progress.
     """
     from graphtex.cli.arguments import read_graph
-    from graphtex.cli.run import carry_out
+    from graphtex.cli.run import Job, carry_out
 
-    status = carry_out(read_graph(GRAPH), {}, folder=out, name=GRAPH, quiet=quiet)
+    status = carry_out(Job(read_graph(GRAPH), out, quiet=quiet))
     if status == DONE:
         say(f"The pictures are in {out}. image is the new texture: it has the texture elements of the exemplar, which")
         say("shrink with distance as there; the other pictures are maps on the way. Try next:")

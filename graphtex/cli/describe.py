@@ -22,8 +22,7 @@ def describe(made: Node[Any, Any], pack: str) -> str:
     function = made.function
     parts = [
         f"{made.name}: {made.summary}",
-        f"pack {pack}, version {made.version}, {random}\n"
-        f"in Python: from {_home(made)} import {function.__name__}",
+        f"pack {pack}, version {made.version}, {random}\nin Python: from {_home(made)} import {function.__name__}",
         _section("Inputs", _sockets(made.inputs.values())),
         _section("Parameters", _parameters(made)),
         _section("Outputs", _sockets(made.outputs.values())),

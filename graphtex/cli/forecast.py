@@ -1,12 +1,11 @@
 """What a run would do and why: for ``run --dry-run`` and ``why``."""
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphtex.cli.terminal import DONE, count, out, say, table
+from graphtex.cli.terminal import DONE, count, out, print_json, say, table
 
 if TYPE_CHECKING:
     from graphtex.cache import Cache, Change, KeyParts
@@ -63,7 +62,7 @@ def prospects(plan: "Plan", cache: "Cache | None", name: str) -> dict[str, Prosp
             found[task] = Prospect("runs", note="its code has no source file to compare")
             continue
         changes = () if old is None else tuple(explain(old, _with_assumed(new, old)))
-        note = "not run before" if old is None else "" if told[task] == "maybe" else "its result is no longer stored"
+        note = "not run before" if old is None else "" if told[task] == "maybe" else "its result is not stored"
         decided_by = _deciders(plan, told, task) if told[task] == "maybe" else ()
         found[task] = Prospect(told[task], changes, note, decided_by)
     return found
@@ -129,7 +128,7 @@ def dry_run(
             for task in plan.tasks.values()
         ]
         given = graph.seed if seed is None else seed
-        out(json.dumps({"graph": name, "seed": given, "nodes": nodes}, ensure_ascii=False, indent=2))
+        print_json({"graph": name, "seed": given, "nodes": nodes})
         return DONE
     rows = [(task.id, task.node.name, WORDS[found[task.id].forecast], found[task.id].why)
             for task in plan.tasks.values()]  # fmt: skip

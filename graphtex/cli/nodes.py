@@ -1,10 +1,9 @@
 """``graphtex nodes``: what nodes there are, and how each is used."""
 
-import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from graphtex.cli.terminal import DONE, count, out, say, table
+from graphtex.cli.terminal import DONE, count, out, print_json, say, table
 from graphtex.errors import GraphError, Problem, did_you_mean
 
 if TYPE_CHECKING:
@@ -100,8 +99,3 @@ def node_object(made: "Node[Any, Any]", pack: str) -> dict[str, Any]:
         "docstring": getdoc(made.function) or "",
         "example": example(made),
     }
-
-
-def print_json(value: Any) -> None:
-    """Print plain data as JSON."""
-    out(json.dumps(value, ensure_ascii=False, indent=2))

@@ -1,18 +1,20 @@
 """``graphtex run``: run a graph and write its outputs."""
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from graphtex.cli.terminal import DONE, FAILED, INTERRUPTED, out, say
+from graphtex.cli.terminal import DONE, FAILED, INTERRUPTED, out, print_json, say, trace
 from graphtex.errors import Cancelled, GraphError, NodeFailed, Problem
 
 if TYPE_CHECKING:
-    from graphtex.cache import Cache
+    import threading
+
     from graphtex.cli.display import Display
+    from graphtex.cli.tally import Tally
     from graphtex.graph import Graph
     from graphtex.run import RunResult
 
@@ -70,7 +72,6 @@ def run(
         Tell nothing of the progress.
     """
     from graphtex.cli.arguments import given_inputs, read_graph
-    from graphtex.shipped import graph_identity
 
     loaded = read_graph(graph)
     values = given_inputs(loaded, set_ or ())
@@ -80,20 +81,20 @@ def run(
         from graphtex.cli.forecast import dry_run as forecast
 
         return forecast(loaded, values, seed=seed, only=only or (), cache=chosen, as_json=json)
-    folder = out if out is not None else default_folder(loaded)
     return carry_out(
-        loaded,
-        values,
-        folder=folder,
-        seed=seed,
-        only=only or (),
-        executor=executor or ("threads" if workers and workers > 1 else "serial"),
-        workers=workers,
-        cache=chosen,
-        report=report,
-        as_json=json,
-        quiet=quiet,
-        name=graph_identity(loaded.file),
+        Job(
+            loaded,
+            out if out is not None else default_folder(loaded),
+            values,
+            seed=seed,
+            only=tuple(only or ()),
+            executor=executor or ("threads" if workers and workers > 1 else "serial"),
+            workers=workers,
+            cache=chosen,
+            report=report,
+            as_json=json,
+            quiet=quiet,
+        )
     )
 
 
@@ -115,112 +116,105 @@ def default_folder(graph: "Graph") -> Path:
     return Path(OUT) / (name.stem if name.is_absolute() else name)
 
 
-def carry_out(
-    graph: "Graph",
-    values: Mapping[str, Any],
-    *,
-    folder: Path,
-    name: str,
-    seed: int | None = None,
-    only: Sequence[str] = (),
-    executor: str = "serial",
-    workers: int | None = None,
-    cache: "Cache | Path | bool" = True,
-    report: Path | None = None,
-    as_json: bool = False,
-    quiet: bool = False,
-) -> int:
+@dataclass(frozen=True)
+class Job:
+    """A run as it was asked for; see `run`."""
+
+    graph: "Graph"
+    folder: Path
+    values: Mapping[str, Any] = field(default_factory=dict)
+    seed: int | None = None
+    only: tuple[str, ...] = ()
+    executor: str = "serial"
+    workers: int | None = None
+    cache: Path | bool = True
+    report: Path | None = None
+    as_json: bool = False
+    quiet: bool = False
+
+
+def carry_out(job: Job) -> int:
     """Run a graph with a display, write what it made, and return the exit status."""
     from graphtex.cli.display import make_display
     from graphtex.cli.interrupt import Interrupts
-    from graphtex.run import run as run_graph
 
-    _check_folder(folder, "--out")
-    if report is not None:
-        _check_folder(report.parent, "--report")
-    log: list[Any] = []
-    display = make_display(quiet)
-
-    def emit(event: Any) -> None:
-        if report is not None:
-            log.append(event)
-        display(event)
-
+    _check_folder(job.folder, "--out")
+    if job.report is not None:
+        _check_folder(job.report.parent, "--report")
     failure: NodeFailed | None = None
-    with display, Interrupts(lambda text: display.note(text) if text else display.close()) as interrupts:
+    with make_display(job.quiet) as display:
+        interrupts = Interrupts(lambda text: display.note(text) if text else display.close())
         try:
-            result = interrupts.run(
-                lambda: run_graph(
-                    graph,
-                    values,
-                    seed=seed,
-                    only=only,
-                    executor=executor,
-                    workers=workers,
-                    cache=cache,
-                    emit=emit,
-                    cancel=interrupts.cancel,
-                    keep_all=report is not None,
-                )
-            )
+            with interrupts:
+                result = interrupts.run(lambda: _run(job, display, interrupts.cancel))
         except Cancelled:
             display.close()
-            kept = "" if cache is False else "; finished nodes are cached"
-            say(f"interrupted{kept}", "yellow")
+            say(f"interrupted{'' if job.cache is False else '; finished nodes are cached'}", "yellow")
             return INTERRUPTED
         except NodeFailed as error:
             if error.result is None:
                 raise
+            trace(error)
             failure, result = error, error.result
-    if not quiet:
+    if not job.quiet:
         say(display.summary())
-    return _deliver(result, failure, display, folder, name, graph.seed if seed is None else seed, report, log, as_json)
+    ended_well = _deliver(job, result, display.tally)
+    for ended in result.reports.values():
+        if ended.status == "failed":
+            say(f"failed: {ended.task.id}: {ended.message}", "bold red")
+    return DONE if ended_well and failure is None and not result.failed else FAILED
 
 
-def _deliver(
-    result: "RunResult",
-    failure: NodeFailed | None,
-    display: "Display",
-    folder: Path,
-    name: str,
-    seed: int,
-    report: Path | None,
-    log: list[Any],
-    as_json: bool,
-) -> int:
-    """Write outputs and report, print paths or JSON, list failures."""
+def _run(job: Job, display: "Display", cancel: "threading.Event") -> "RunResult":
+    from graphtex.run import run as run_graph
+
+    return run_graph(
+        job.graph,
+        job.values,
+        seed=job.seed,
+        only=job.only,
+        executor=job.executor,
+        workers=job.workers,
+        cache=job.cache,
+        emit=display,
+        cancel=cancel,
+        keep_all=job.report is not None,
+    )
+
+
+def _deliver(job: Job, result: "RunResult", tally: "Tally") -> bool:
+    """Write outputs and report, print paths or JSON; return whether all of that could be written."""
     from graphtex.outputs import OutputError, write_outputs
 
-    status = FAILED if failure is not None or result.failed else DONE
+    seconds = tally.seconds
     written: dict[str, list[Path]] = {}
+    fine = True
     try:
-        written = write_outputs(result, folder)
+        written = write_outputs(result, job.folder)
     except OutputError as error:
         say(str(error), "red")
-        status = FAILED
-    if as_json:
+        fine = False
+    if job.report is not None:
+        from graphtex.report import write_report
+
+        general = [text for task, text in tally.warnings if not task]
+        try:
+            write_report(job.report, result, seconds=seconds, outputs=written, warnings=general, inputs=job.values)
+            if not job.quiet:
+                say(f"report: {job.report}")
+        except OutputError as error:
+            say(str(error), "red")
+            fine = False
+    if job.as_json:
         from graphtex.cli.summary import run_object
 
-        out(
-            json.dumps(
-                run_object(result, written, name, seed, display.tally.seconds, status == DONE),
-                ensure_ascii=False,
-                indent=2,
-            )
-        )
+        seed = job.graph.seed if job.seed is None else job.seed
+        print_json(run_object(result, written, seed, seconds, done=fine and not result.failed))
     else:
         for paths in written.values():
             for path in paths:
                 out(str(path))
-    if report is not None:
-        from graphtex.report import report_html
-
-        report.write_text(report_html(result, events=log), encoding="utf-8")
-        say(f"report: {report}")
-    for ended in result.reports.values():
-        if ended.status == "failed":
-            say(f"failed: {ended.task.id}: {ended.message}", "bold red")
-    return status
+    return fine
 
 
 def _check_folder(folder: Path, option: str) -> None:

@@ -3,7 +3,7 @@
 import json
 
 from graphtex.cli.show import Output, write_text
-from graphtex.cli.terminal import DONE, out
+from graphtex.cli.terminal import DONE, print_json
 
 
 def schema(*, output: Output = None) -> int:
@@ -18,9 +18,9 @@ def schema(*, output: Output = None) -> int:
     """
     from graphtex.schema import graph_schema
 
-    text = json.dumps(graph_schema(), ensure_ascii=False, indent=2)
+    made = graph_schema()
     if output is None:
-        out(text)
+        print_json(made)
     else:
-        write_text(output, text + "\n")
+        write_text(output, json.dumps(made, ensure_ascii=False, indent=2) + "\n")
     return DONE

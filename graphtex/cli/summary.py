@@ -10,9 +10,11 @@ if TYPE_CHECKING:
 
 
 def run_object(
-    result: "RunResult", written: Mapping[str, Sequence[Path]], name: str, seed: int, seconds: float, done: bool
+    result: "RunResult", written: Mapping[str, Sequence[Path]], seed: int, seconds: float, *, done: bool
 ) -> dict[str, Any]:
     """Return outputs, what became of each node, and totals, as plain data."""
+    from graphtex.shipped import graph_identity
+
     nodes = []
     for task in result.plan.tasks:
         report = result.reports.get(task)
@@ -32,7 +34,7 @@ def run_object(
         )
     counts = Counter(node["status"] for node in nodes)
     return {
-        "graph": name,
+        "graph": graph_identity(result.plan.graph.file),
         "seed": seed,
         "status": "done" if done else "failed",
         "outputs": {output: [str(path) for path in paths] for output, paths in written.items()},

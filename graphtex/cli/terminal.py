@@ -1,14 +1,19 @@
 """Printing: results to stdout, everything else to stderr; colour on terminals only."""
 
+import json
 import shutil
 import sys
 import textwrap
+import traceback
 from collections.abc import Iterable, Sequence
+from contextvars import ContextVar
+from typing import Any
 
 from graphtex.errors import Problem
 
 DONE, FAILED, WRONG, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses: done; a node or an output failed; the request is wrong; stopped by the user."""
+debug: ContextVar[bool] = ContextVar("debug", default=False)  # whether errors show their tracebacks
 GAP = 2
 NARROW = 30  # a last column is not wrapped to less than this
 
@@ -16,6 +21,11 @@ NARROW = 30  # a last column is not wrapped to less than this
 def out(text: str = "") -> None:
     """Print a line of the result."""
     print(text)
+
+
+def print_json(value: Any) -> None:
+    """Print plain data as JSON."""
+    out(json.dumps(value, ensure_ascii=False, indent=2))
 
 
 def say(text: str, style: str = "") -> None:
@@ -32,6 +42,12 @@ def complain(problems: Iterable[Problem]) -> None:
     """Print each problem on its own line."""
     for problem in problems:
         say(str(problem), "red")
+
+
+def trace(error: BaseException) -> None:
+    """Print an error's traceback if that was asked for."""
+    if debug.get():
+        traceback.print_exception(error)
 
 
 def table(rows: Sequence[Sequence[str]], indent: str = "") -> str:
