@@ -155,4 +155,4 @@ def is_cold(*modules: str) -> bool:
 def announce(ctx: Announcing, *modules: str) -> None:
     """Say that kernels are about to be compiled, if they are: call it before importing their files."""
     if is_cold(*modules):
-        ctx.progress(0.0, "compiling kernels, once (about 20 s)")
+        ctx.progress(0.0, "compiling kernels, once (about 10 s)")

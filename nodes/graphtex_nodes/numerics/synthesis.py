@@ -33,6 +33,8 @@ class Settings:
         What an exemplar window that is used twice as often as wanted is charged, in mean squared distances.
     variance
         Share of the windows' variance that principal components keep.
+    detail
+        How far components of colour are evened, 0 (not at all) to 1 (whitened).
     passes
         PatchMatch passes of an iteration.
     falloff
@@ -43,6 +45,7 @@ class Settings:
     histogram: float = 8.0
     evenness: float = 1.0
     variance: float = 0.95
+    detail: float = 0.3
     passes: int = 2
     falloff: float = 1.0
 
@@ -181,7 +184,9 @@ def _open(
     if target is not None:
         more = ((0, grid.canvas[0] - height), (0, grid.canvas[1] - width))
         canvas[..., colours] = np.pad(target, more, mode="edge")
-    groups = [slice(0, colours), slice(colours, channels)][: 1 + (channels > colours)]
+    groups = [(slice(0, colours), settings.detail)]
+    if channels > colours:
+        groups.append((slice(colours, channels), 0.0))
     basis = principal_basis(exemplar, stage.window, groups, settings.variance, work)
     features = basis.project(exemplar, 1, work)
     return _Level(

@@ -62,7 +62,7 @@ class Basis:
         return out
 
 
-def principal_basis(image: Array, window: int, groups: list[slice], variance: float, work: Work) -> Basis:
+def principal_basis(image: Array, window: int, groups: list[tuple[slice, float]], variance: float, work: Work) -> Basis:
     """Principal components of the windows of an image, for each group of channels apart.
 
     Parameters
@@ -72,7 +72,8 @@ def principal_basis(image: Array, window: int, groups: list[slice], variance: fl
     window
         Side of the windows in pixels.
     groups
-        Channels that share components: colour and scale apart (Dong et al. 2008, section 4.2).
+        Channels that share components (colour and scale apart, Dong et al. 2008, section 4.2), and how far their
+        components are evened: see :func:`evened`.
     variance
         Share of each group's variance that is kept, 0 to 1.
 
@@ -85,7 +86,7 @@ def principal_basis(image: Array, window: int, groups: list[slice], variance: fl
     samples = _sample(image, window)
     mean = samples.mean(axis=0, dtype=np.float64)
     kept: list[NDArray[np.float64]] = []
-    for group in groups:
+    for group, share in groups:
         part = samples[:, :, :, group] - mean[:, :, group].astype(np.float32)
         pool = _pool(window, part.shape[3])
         part = _pooled(part, pool).reshape(len(samples), -1)
@@ -93,7 +94,8 @@ def principal_basis(image: Array, window: int, groups: list[slice], variance: fl
         work.check()
         window_kernels.add_products(part, total, 0, len(total))
         total = np.tril(total) + np.tril(total, -1).T
-        leading = leading_directions(total / len(part), variance)
+        covariance = total / len(part)
+        leading = evened(leading_directions(covariance, variance), covariance, share)
         blocks = leading.reshape(window // pool, window // pool, -1, leading.shape[1]) / pool
         spread = np.zeros((window, window, channels, leading.shape[1]))
         spread[:, :, group] = blocks.repeat(pool, axis=0).repeat(pool, axis=1)
@@ -150,6 +152,21 @@ def leading_directions(covariance: NDArray[np.float64], variance: float, largest
     kept = (basis * np.einsum("ij,jk->ik", covariance, basis)).sum(axis=0)
     share = np.cumsum(kept) / trace
     return basis[:, : int(np.searchsorted(share, variance)) + 1]
+
+
+def evened(columns: NDArray[np.float64], covariance: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+    """Columns with lengths s ** -share for components of standard deviation s, and the same total variance.
+
+    0 leaves distances as they are, 1 makes all components count alike (whitening). In between, thin lines and other
+    detail gain on large areas of colour.
+    """
+    variances = (columns * np.einsum("ij,jk->ik", covariance, columns)).sum(axis=0)
+    if share <= 0 or variances.min() <= 0:
+        return columns
+    gains = variances ** (-share / 2)
+    gains *= np.sqrt(variances.sum() / (variances * gains**2).sum())
+    result: NDArray[np.float64] = columns * gains
+    return result
 
 
 def _orthonormal(columns: NDArray[np.float64]) -> NDArray[np.float64]:

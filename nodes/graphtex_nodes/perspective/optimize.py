@@ -29,6 +29,7 @@ Vote = Annotated[
 Exponent = Annotated[float, Field(gt=0, le=2, description="power of a window's distance in the energy; 2 = no weights")]
 Gain = Annotated[float, Field(ge=0, le=100, description="strength of histogram matching; 0 = none")]
 Evenness = Annotated[float, Field(ge=0, le=100, description="charge for overused parts of the exemplar; 0 = none")]
+Detail = Annotated[float, Field(ge=0, le=1, description="how much lines and fine detail gain on large areas; 0 = none")]
 Variance = Annotated[float, Field(gt=0, le=1, description="share of variance that principal components keep")]
 
 
@@ -60,6 +61,7 @@ def optimize(
     histogram: Gain = 8.0,
     evenness: Evenness = 1.0,
     variance: Variance = 0.95,
+    detail: Detail = 0.3,
     rng: Rng = 0,
     ctx: Context = QUIET,
 ) -> Synthesis:
@@ -101,9 +103,10 @@ def optimize(
         longer be seen; windows of 16 and 8 pixels on coarse levels and 8 on the finest.
     iterations
         On the finest level; each coarser one has two more, at most 12.
-    exponent, histogram, evenness, variance
+    exponent, histogram, evenness, variance, detail
         r of the energy; gain of histogram matching; charge for windows used more often than others of their scale, in
-        mean distances; share of variance that PCA keeps, for colours and scale apart.
+        mean distances; share of variance that PCA keeps, for colours and scale apart; how far its components of colour
+        are evened, from 0 (plain distances) to 1 (whitened).
 
     Returns
     -------
@@ -120,7 +123,8 @@ def optimize(
     -----
     Departures from the paper, each because it measured better: the output's scale is held by default; the search is
     PatchMatch from an exact search on the coarsest level; bins of equation 8 are those of pixels and surpluses are
-    relative (see ``numerics/histogram.py``); windows in frequent use are charged, as in Kaspar et al. (2015); five
+    relative (see ``numerics/histogram.py``); components of colour are partly evened, so that thin lines
+    between large areas count; windows in frequent use are charged, as in Kaspar et al. (2015); five
     levels for 256 pixels instead of three; the final image is not the mean, which smudges seams.
 
     The result depends on the inputs, the parameters and the seed only, not on the number of threads.
@@ -146,7 +150,7 @@ def optimize(
     plan = plans.stages(
         exemplar.shape, levels or plans.automatic_levels(exemplar), windows or plans.WINDOWS, iterations
     )  # fmt: skip
-    settings = Settings(exponent=exponent, histogram=histogram, evenness=evenness, variance=variance)
+    settings = Settings(exponent=exponent, histogram=histogram, evenness=evenness, variance=variance, detail=detail)
     result = synthesise(problem, plan, settings, rng, ctx)
     if vote == "mean":
         image, source = result.image[..., : exemplar.shape[2]], result.source

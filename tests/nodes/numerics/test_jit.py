@@ -92,4 +92,4 @@ def test_announces_only_what_is_cold(monkeypatch):
     jit.announce(Listener(), "warm")
     assert said == []
     jit.announce(Listener(), "warm", "cold")
-    assert said == ["compiling kernels, once (about 20 s)"]
+    assert said == ["compiling kernels, once (about 10 s)"]

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from graphtex_nodes.numerics.parallel import Quiet
-from graphtex_nodes.numerics.windows import Basis, Grid, leading_directions, principal_basis
+from graphtex_nodes.numerics.windows import Basis, Grid, evened, leading_directions, principal_basis
 
 RNG = np.random.default_rng(3)
 
@@ -45,7 +45,7 @@ def test_leading_directions_against_lapack():
 def test_basis_keeps_distances():
     """With nearly all variance kept, distances between coordinates are those between windows."""
     image = np.cumsum(RNG.standard_normal((30, 30, 3)), axis=1).astype(np.float32)
-    basis = principal_basis(image, 4, [slice(0, 2), slice(2, 3)], 0.9999, Quiet())
+    basis = principal_basis(image, 4, [(slice(0, 2), 0.0), (slice(2, 3), 0.0)], 0.9999, Quiet())
     places = basis.project(image, 1, Quiet())
     true = ((image[2:6, 3:7] - image[20:24, 11:15]) ** 2).sum()
     assert ((places[2, 3] - places[20, 11]) ** 2).sum() == pytest.approx(true, rel=0.02)
@@ -54,7 +54,7 @@ def test_basis_keeps_distances():
 def test_large_windows_are_pooled():
     """16 x 16 x 3 is over the limit: directions are constant on blocks of 2 x 2, and orthonormal."""
     image = RNG.random((40, 40, 3)).astype(np.float32)
-    directions = principal_basis(image, 16, [slice(0, 3)], 0.5, Quiet()).directions
+    directions = principal_basis(image, 16, [(slice(0, 3), 0.0)], 0.5, Quiet()).directions
     blocks = directions.reshape(8, 2, 8, 2, 3, -1)
     np.testing.assert_array_equal(blocks[:, 0, :, 0], blocks[:, 1, :, 1])
     kept = directions[:, np.abs(directions).sum(axis=0) > 0]
@@ -62,5 +62,15 @@ def test_large_windows_are_pooled():
 
 
 def test_constant_image():
-    basis = principal_basis(np.full((9, 9, 1), 0.5, np.float32), 4, [slice(0, 1)], 0.95, Quiet())
+    basis = principal_basis(np.full((9, 9, 1), 0.5, np.float32), 4, [(slice(0, 1), 0.3)], 0.95, Quiet())
     assert np.abs(basis.project(np.full((6, 6, 1), 0.5, np.float32), 1, Quiet())).max() < 1e-6
+
+
+@pytest.mark.parametrize(("share", "ratio"), [(0.0, 2.0), (0.5, 2**0.5), (1.0, 1.0)])
+def test_evened_components(share, ratio):
+    """Deviations 2 and 1 keep their ratio, its root, or become equal; the sum of variances stays."""
+    covariance = np.diag([4.0, 1.0])
+    columns = evened(np.eye(2), covariance, share)
+    variances = np.diag(columns.T @ covariance @ columns)
+    np.testing.assert_allclose(np.sqrt(variances[0] / variances[1]), ratio)
+    np.testing.assert_allclose(variances.sum(), 5)
