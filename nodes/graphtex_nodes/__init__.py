@@ -13,7 +13,12 @@ from graphtex_nodes.image.convert import (
     mask_from_image,
     pick_channels,
 )
+from graphtex_nodes.image.exemplars.bricks import bricks
+from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
+from graphtex_nodes.image.exemplars.sample import sample
+from graphtex_nodes.image.exemplars.sand import sand
+from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.image.load import load_image, load_mask, load_scale
 from graphtex_nodes.image.load_data import (
     load_displacement,
@@ -25,10 +30,19 @@ from graphtex_nodes.image.load_data import (
     load_view_stack,
 )
 from graphtex_nodes.image.maps import select_map, split_maps, stack_maps
+from graphtex_nodes.perspective.feature_mask import feature_mask
+from graphtex_nodes.perspective.feature_scale import feature_scale
 from graphtex_nodes.perspective.optimize import optimize
+from graphtex_nodes.perspective.resize_scale import resize_scale
+from graphtex_nodes.perspective.scale_from_angles import scale_from_angles
+from graphtex_nodes.perspective.view_scale import view_scale
 
 __all__ = [
+    "bricks",
     "contact_sheet",
+    "feature_mask",
+    "feature_scale",
+    "flowers",
     "grey",
     "image_from_displacement",
     "image_from_labels",
@@ -49,8 +63,14 @@ __all__ = [
     "optimize",
     "pebbles",
     "pick_channels",
+    "resize_scale",
+    "sample",
+    "sand",
+    "scale_from_angles",
     "select_map",
     "side_by_side",
     "split_maps",
     "stack_maps",
+    "view_scale",
+    "woven_cloth",
 ]
