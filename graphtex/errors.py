@@ -42,6 +42,9 @@ class GraphError(GraphtexError, ValueError):
         self.problems = tuple(sorted(set(problems)))
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return GraphError, (self.problems,)
+
 
 class DeclarationError(GraphtexError, TypeError):
     """A function cannot become a node, a writer or a view, because of how it is declared."""
@@ -60,8 +63,12 @@ class NodeFailed(GraphtexError):
 
     def __init__(self, task: str, message: str) -> None:
         self.task = task
+        self.message = message
         self.result: Any = None  # the run's results as far as they go, set when the whole run ends by this
         super().__init__(f"{task}: {message}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return NodeFailed, (self.task, self.message)  # without the results: they stay where the run was
 
 
 def did_you_mean(word: str, known: Iterable[str], *, label: str = "known") -> str:

@@ -1,5 +1,6 @@
 """What a run tells while it goes on: one stream of events, which progress displays, reports and studios read."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 
@@ -70,3 +71,17 @@ class Skipped(Event):
 @dataclass(frozen=True)
 class Stopped(Event):
     """The task was cancelled; with an empty id the whole run was."""
+
+
+def told_once(emit: Callable[[Event], None]) -> Callable[[Event], None]:
+    """Return `emit` without what repeats a warning of the run itself."""
+    told: set[str] = set()
+
+    def tell(event: Event) -> None:
+        if isinstance(event, Warned) and not event.task:
+            if event.text in told:
+                return
+            told.add(event.text)
+        emit(event)
+
+    return tell

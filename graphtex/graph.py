@@ -185,7 +185,7 @@ class Graph:
         each
             Arguments to range over: name to list, or to an input that is a list.
         """
-        from graphtex.links import entry_signature
+        from graphtex.links import Links
         from graphtex.packs import registry
 
         own = node.function.__name__ if isinstance(node, Node) else Path(node).stem.replace("-", "_")
@@ -202,7 +202,7 @@ class Graph:
             entry = Entry(node=node.name)
         else:
             entry = Entry(graph=os.fspath(node))
-        signature = entry_signature(self, ("nodes", name), entry)
+        signature = Links(self).entry_signature(("nodes", name), entry)
         written = {key: _written(value, key in signature.sockets) for key, value in arguments.items()}
         ranges = {
             key: _written(value, True) if isinstance(value, InputHandle) else plain(value)

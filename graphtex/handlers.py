@@ -46,6 +46,30 @@ DEFAULT_SUFFIX: dict[str, str] = {}
 OPENERS: list[Opener] = []
 
 
+def _origin(function: Any) -> str:
+    return f"{function.__module__}.{function.__qualname__}"
+
+
+def _refuse_second(what: str, known: Any, new: Any) -> None:
+    """Raise DeclarationError if something else is registered already; a module that is reloaded may come again."""
+    if known is not None and _origin(known) != _origin(new):
+        raise DeclarationError(f"{_origin(new)}: there is {what} already, {_origin(known)}")
+
+
+def _checked_suffixes(suffixes: tuple[str, ...], owner: str) -> tuple[str, ...]:
+    for suffix in suffixes:
+        if not suffix.startswith(".") or len(suffix) < 2:
+            raise DeclarationError(f"{owner}: a suffix begins with a dot, got {suffix!r}")
+    return tuple(suffix.lower() for suffix in suffixes)
+
+
+def _require_positional(function: Callable[..., Any], what: str, names: tuple[str, ...]) -> None:
+    """Raise DeclarationError unless a function can be called with just these positional arguments."""
+    positional = [p for p in inspect.signature(function).parameters.values() if p.kind is not p.KEYWORD_ONLY]
+    if len(positional) != len(names) or any(p.kind is p.VAR_POSITIONAL or p.kind is p.VAR_KEYWORD for p in positional):
+        raise DeclarationError(f"{function.__name__}: a {what} is written f({', '.join(names)})")
+
+
 def _type_of(hint: Any, what: str) -> SocketType:
     kind = find_type(hint)
     if kind is None:
@@ -59,6 +83,8 @@ def view(hint: Any) -> Callable[[F], F]:
 
     def register(function: F) -> F:
         require_plain_function(function, "view")
+        _require_positional(function, "view", ("value",))
+        _refuse_second(f"a view of {kind.name}", VIEWS.get(kind.name), function)
         VIEWS[kind.name] = function
         return function
 
@@ -75,10 +101,17 @@ def writer(hint: Any, *, suffixes: tuple[str, ...], default: str | None = None) 
 
     def register(function: F) -> F:
         name = require_plain_function(function, "writer")
+        _require_positional(function, "writer", ("value", "path"))
+        ends = _checked_suffixes(suffixes, name)
+        if default is not None and default not in ends:
+            raise DeclarationError(f"{name}: the default suffix is one of {', '.join(ends)}, got {default!r}")
+        for suffix in ends:
+            known = WRITERS.get((kind.name, suffix))
+            _refuse_second(f"a writer of {kind.name} as {suffix}", known.function if known else None, function)
         keywords = [p for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY]
         options = parameters_model(name, keywords, get_type_hints(function, include_extras=True))
-        entry = Writer(kind.name, suffixes, function, options)
-        WRITERS.update({(kind.name, suffix): entry for suffix in suffixes})
+        entry = Writer(kind.name, ends, function, options)
+        WRITERS.update({(kind.name, suffix): entry for suffix in ends})
         if default is not None:
             DEFAULT_SUFFIX[kind.name] = default
         return function
@@ -103,7 +136,20 @@ def opener(
             raise DeclarationError(
                 f"{made.name}: its first output is {first.type}, an opener of {kind.name} gives {kind.name}"
             )
-        OPENERS.append(Opener(kind.name, made, required[0], tuple(s.lower() for s in suffixes), scheme))
+        ends = _checked_suffixes(suffixes, made.name)
+        if not ends and not scheme:
+            raise DeclarationError(f"{made.name}: an opener is for some suffixes or for a scheme")
+        others = [entry for entry in OPENERS if _origin(entry.node) != _origin(made)]
+        for other in others:
+            taken = ([f"{scheme}:"] if scheme and scheme == other.scheme else []) + [
+                suffix for suffix in ends if suffix in other.suffixes
+            ]
+            if other.type_name == kind.name and taken:
+                _refuse_second(f"an opener of {taken[0]} as {kind.name}", other.node, made)
+        again = [
+            e for e in OPENERS if e not in others and (e.type_name, e.scheme, e.suffixes) != (kind.name, scheme, ends)
+        ]
+        OPENERS[:] = [*others, *again, Opener(kind.name, made, required[0], ends, scheme)]
         return made
 
     return register
@@ -125,9 +171,14 @@ def find_opener(kind: SocketType, text: str) -> tuple[Opener, str]:
     for entry in mine:
         if suffix in entry.suffixes:
             return entry, text
-    suffixes = sorted({s for entry in mine for s in entry.suffixes})
+    suffixes = sorted(suffixes_of(kind))
     found = f"a file ending in {suffix!r}" if suffix else f"{text!r}, which has no file ending,"
     raise ValueError(f"nothing opens {found} as {kind.name}; known: {listing(suffixes, 20) or 'none'}")
+
+
+def suffixes_of(kind: SocketType) -> frozenset[str]:
+    """Return the suffixes of files that open as a type."""
+    return frozenset(suffix for entry in OPENERS if entry.type_name == kind.name for suffix in entry.suffixes)
 
 
 def find_writer(kind: SocketType, suffix: str) -> Writer:

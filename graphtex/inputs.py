@@ -1,15 +1,14 @@
 """Values of graph inputs: do they fit the input's type, range and choices, and what do path patterns mean."""
 
 import glob
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from graphtex.errors import did_you_mean
 from graphtex.graph import SCALAR_TYPES, Input
-from graphtex.handlers import OPENERS, find_opener
+from graphtex.handlers import find_opener, suffixes_of
 from graphtex.parameters import plain, shorten
 from graphtex.sockets import TYPES, ValueType, parse_type
 
@@ -25,26 +24,42 @@ def split_type(text: str) -> tuple[str, bool]:
     return inner, many
 
 
+def is_list(kind: Input) -> bool:
+    """Return whether an input takes a list."""
+    return kind.type.startswith("list[")
+
+
 def check_scalar(kind: Input, value: Any) -> Any:
     """Return a scalar input's value as plain data; ValueError if type, range or choices do not admit it."""
     inner, many = split_type(kind.type)
     value = plain(value)
-    if many:
-        if not isinstance(value, list):
-            raise ValueError(f"expected a list of {inner}, got {shorten(value)}")
-        return [_check_item(kind, inner, item) for item in value]
-    return _check_item(kind, inner, value)
+    if not many:
+        return _check_item(kind, inner, value)
+    if not isinstance(value, list):
+        raise ValueError(f"expected a list of {inner}, got {shorten(value)}")
+    items = []
+    for index, item in enumerate(value):
+        try:
+            items.append(_check_item(kind, inner, item))
+        except ValueError as error:
+            raise ValueError(f"item {index}: {error}") from None
+    return items
 
 
 def _check_item(kind: Input, inner: str, value: Any) -> Any:
     wanted = _PYTHON.get(inner)
     if inner == "float" and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value)
+        try:
+            value = float(value)
+        except OverflowError:
+            raise ValueError(f"expected float, got {shorten(value)}") from None
     if wanted is not None and (not isinstance(value, wanted) or (wanted is int and isinstance(value, bool))):
         raise ValueError(f"expected {inner}, got {shorten(value)}")
-    if isinstance(value, float) and not np.isfinite(value):
+    if isinstance(value, float) and not math.isfinite(value):
         raise ValueError(f"expected a finite number, got {value}")
-    if kind.choices is not None and value not in kind.choices:
+    if inner == "file" and not value:
+        raise ValueError("expected a file, got an empty text")
+    if kind.choices is not None and not any(value == one and type(value) is type(one) for one in _floats(kind, inner)):
         choices = [str(choice) for choice in kind.choices]
         raise ValueError(f"{shorten(value)} is no choice{did_you_mean(str(value), choices, label='choices')}")
     if isinstance(value, int | float) and not isinstance(value, bool):
@@ -52,6 +67,18 @@ def _check_item(kind: Input, inner: str, value: Any) -> Any:
             raise ValueError(f"should be at least {kind.min:g}, got {value:g}")
         if kind.max is not None and value > kind.max:
             raise ValueError(f"should be at most {kind.max:g}, got {value:g}")
+    return value
+
+
+def _floats(kind: Input, inner: str) -> list[Any]:
+    """Return the choices; among floats, whole numbers are floats too."""
+    return [float(one) if inner == "float" and type(one) is int else one for one in kind.choices or ()]
+
+
+def check_seed(value: Any) -> int:
+    """Return a seed; ValueError if it is none."""
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        raise ValueError(f"a seed is a whole number from 0, got {shorten(value)}")
     return value
 
 
@@ -63,30 +90,48 @@ def read_text(kind: Input, text: str) -> Any:
             return text
         if "," in text or text.startswith("["):
             return [part.strip() for part in text.strip("[]").split(",")]
-        return text if inner in TYPES or inner == "file" else [text]
+        return text if inner != "str" else [text]
     from graphtex.files.yamltree import read_scalar
 
-    value = read_scalar(text)
-    if many and not isinstance(value, list):
-        value = [value]
-    return value
+    if many and not text.lstrip().startswith("["):
+        text = f"[{text}]"
+    return read_scalar(text)
 
 
-def expand_paths(value: Any, kind: ValueType, base: Path) -> list[Any]:
-    """Return the items of a list input; a folder or a glob gives its files, sorted. ValueError if there are none."""
-    if not isinstance(value, str):
+def expand_paths(value: Any, kind: Input, base: Path) -> list[Any]:
+    """Return the items of a list input; a folder or a glob gives its files, sorted.
+
+    A folder gives those that can be opened as the input's type, and none whose name begins with a dot.
+
+    Raises
+    ------
+    ValueError
+        If there are none, or the value is no list.
+    """
+    if isinstance(value, list | tuple):
         return list(value)
-    suffixes = {suffix for entry in OPENERS if entry.type_name == kind.base.name for suffix in entry.suffixes}
-    folder = base / value
+    if not isinstance(value, str | Path):
+        raise ValueError(f"expected a list, a folder or a pattern such as *.png, got {type(value).__name__}")
+    inner = split_type(kind.type)[0]
+    text = str(value)
+    folder = base / text
     if folder.is_dir():
-        found = [p for p in folder.iterdir() if p.is_file() and p.suffix.lower() in suffixes]
+        suffixes = suffixes_of(TYPES[inner]) if inner in TYPES else None
+        found = [
+            path
+            for path in folder.iterdir()
+            if path.is_file()
+            and not path.name.startswith(".")
+            and (suffixes is None or path.suffix.lower() in suffixes)
+        ]
+    elif folder.is_file() or not glob.has_magic(text):
+        return [text]
     else:
-        found = [Path(p) for p in glob.glob(str(folder), recursive=True) if Path(p).is_file()]  # noqa: PTH207 (takes absolute patterns)
-        if not found and not glob.has_magic(value):
-            return [value]
+        found = [base / name for name in glob.glob(text, root_dir=base, recursive=True) if (base / name).is_file()]  # noqa: PTH207 (Path.glob takes no absolute pattern)
     if not found:
-        raise ValueError(f"no file of type {kind.base.name} matches {value!r}")
-    return [str(path) for path in sorted(found)]
+        what = f"file that opens as {inner}" if inner in TYPES else "file"
+        raise ValueError(f"{text!r} holds no {what}" if folder.is_dir() else f"no file matches {text!r}")
+    return [str(path) for path in sorted(set(found))]
 
 
 def check_openable(kind: ValueType, text: Any) -> None:
@@ -100,7 +145,7 @@ def default_faults(kind: Input) -> list[tuple[tuple[int, ...], str]]:
     """Return how an input's default does not fit the input itself: the item's index in a list, and a message."""
     inner, many = split_type(kind.type)
     if not many or not isinstance(kind.default, list):
-        if many and inner in TYPES and isinstance(kind.default, str):
+        if many and (inner in TYPES or inner == "file") and isinstance(kind.default, str):
             return []  # a folder or a pattern, read when the graph is run
         return _faults_of_item(kind, inner, kind.default, ())
     single = replace(kind, type=inner)

@@ -1,10 +1,21 @@
 """The cache key of a task, and what a dry run can tell before anything has run."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
-from graphtex.cache import Cache, KeyParts, NoSource, code_digest, digest_value, environment, file_digest
+from graphtex.cache import (
+    BadSource,
+    Cache,
+    CodeDigest,
+    KeyParts,
+    NoSource,
+    code_digest,
+    digest_value,
+    environment,
+    file_digest,
+)
+from graphtex.node import Node
 from graphtex.parameters import validate, with_files
 from graphtex.plan import Plan, Slot, Task
 from graphtex.sockets import TYPES, Gap, ValueType
@@ -12,22 +23,32 @@ from graphtex.work import Held
 
 KEY_FORMAT = 1  # raise it when the framework changes what a result depends on
 Forecast = Literal["cached", "runs", "maybe"]
+_Stamp = tuple[int, int, int]
 
 
 class Keys:
-    """Makes the keys of a plan's tasks; each file is read once."""
+    """Makes the keys of a run's tasks; each file and each node's code is read once.
 
-    def __init__(self) -> None:
-        self._files: dict[Path, str] = {}
+    Parameters
+    ----------
+    warn
+        Told of code that cannot be read: its nodes run without the cache.
+    """
+
+    def __init__(self, warn: Callable[[str], None] = lambda text: None) -> None:
+        self._warn = warn
+        self._files: dict[Path, tuple[str, _Stamp]] = {}
+        self._code: dict[Node[Any, Any], CodeDigest | None] = {}
 
     def parts(self, task: Task, held: Mapping[Slot, Held | Gap]) -> KeyParts | None:
-        """Return what a task's result depends on; None if its code cannot be read, so that it must always run."""
-        try:
-            code = code_digest(task.node.function)
-        except NoSource:
+        """Return what a task's result depends on; None if that cannot be told, so that it must always run."""
+        code = self._code_of(task.node)
+        if code is None:
             return None
-        model, _ = validate(task.node.parameters, task.parameters, unknown=task.measured)
-        parameters = with_files(model, self._file) if model is not None else {}
+        try:
+            parameters = self._parameters(task)
+        except OSError:
+            return None  # a file is gone since it was checked: the node says so itself
         inputs: dict[str, str | list[str]] = {}
         for name, source in task.inputs.items():
             inputs[name] = [_digest(held[s]) for s in source] if isinstance(source, tuple) else _digest(held[source])
@@ -36,17 +57,49 @@ class Keys:
         found = environment(code.packages)
         return KeyParts(KEY_FORMAT, task.node.name, task.node.version, code, parameters, inputs, task.entropy, found)
 
+    def still_hold(self, task: Task) -> bool:
+        """Tell whether the task's files are those that its key was made of: a node may have read a newer one."""
+        return all(_stamp(path) == self._files[path][1] for path in task.files)
+
+    def _code_of(self, node: Node[Any, Any]) -> CodeDigest | None:
+        if node not in self._code:
+            try:
+                self._code[node] = code_digest(node.function)
+            except NoSource:
+                self._code[node] = None
+            except BadSource as error:
+                self._code[node] = None
+                self._warn(f"{node.name} runs without the cache: {error}")
+        return self._code[node]
+
+    def _parameters(self, task: Task) -> Mapping[str, Any]:
+        """Return the parameters with the digest of its content for each file."""
+        if not task.files:
+            return task.parameters
+        model, _ = validate(task.node.parameters, task.parameters, unknown=task.measured)
+        parameters: dict[str, Any] = with_files(model, self._file)
+        return parameters
+
     def _file(self, path: Path) -> str:
         if path not in self._files:
-            self._files[path] = file_digest(path)
-        return self._files[path]
+            stamp = _stamp(path)
+            self._files[path] = file_digest(path), stamp
+        return self._files[path][0]
+
+
+def _stamp(path: Path) -> _Stamp:
+    try:
+        status = path.stat()
+    except OSError:
+        return (-1, -1, -1)
+    return status.st_mtime_ns, status.st_size, status.st_ino
 
 
 _UNKNOWN = Held(ValueType(TYPES["Number"]), in_memory=False)  # of a task that has not run; the type does not matter
 
 
 def _digest(held: Held | Gap) -> str:
-    return digest_value("Gap", held.label) if isinstance(held, Gap) else held.digest
+    return digest_value("Gap", held) if isinstance(held, Gap) else held.digest
 
 
 def given_values(plan: Plan, *, digests: bool) -> dict[Slot, Held | Gap]:
@@ -57,42 +110,49 @@ def given_values(plan: Plan, *, digests: bool) -> dict[Slot, Held | Gap]:
     }
 
 
-def found_outputs(task: Task, key: str, cache: Cache) -> tuple[dict[str, Held], tuple[str, ...], float] | None:
-    """Return a task's outputs as the store holds them, its warnings and seconds; None if they are not all there."""
+def found_outputs(task: Task, key: str, cache: Cache) -> tuple[dict[str, Held], tuple[str, ...]] | None:
+    """Return a task's outputs as the store holds them, and its warnings; None if they are not all there."""
     record = cache.lookup(key)
-    if record is None or set(record.outputs) != set(task.node.outputs):
+    types = {name: str(socket.type) for name, socket in task.node.outputs.items()}
+    if record is None or {name: output.type for name, output in record.outputs.items()} != types:
         return None
     outputs = {
-        name: Held(task.node.outputs[name].type, None, output.digest, in_memory=False)
+        name: Held(task.node.outputs[name].type, None, output.digest, in_memory=False, stored=True)
         for name, output in record.outputs.items()
     }
-    return outputs, record.warnings, record.seconds
+    return outputs, record.warnings
 
 
 def forecast(plan: Plan, cache: Cache | None) -> tuple[dict[str, Forecast], dict[str, KeyParts]]:
     """Tell of each task whether it is cached, runs, or runs unless its inputs come out equal ("maybe").
 
+    A task whose key is that of another before it counts as cached: it takes that one's result.
+
     Returns
     -------
     The forecast of each task, and what its key is made of; inputs that are not known yet have an empty digest there.
     """
+    if cache is None:
+        return dict.fromkeys(plan.tasks, "runs"), {}
     keys = Keys()
-    held = given_values(plan, digests=cache is not None)
+    held = given_values(plan, digests=True)
     told: dict[str, Forecast] = {}
     known: dict[str, KeyParts] = {}
+    running: set[str] = set()
     for task in plan.tasks.values():
-        if cache is None:
-            told[task.id] = "runs"
-            continue
         unknown = {slot: _UNKNOWN for slot in task.slots if slot not in held}
         parts = keys.parts(task, {**held, **unknown} if unknown else held)
-        if parts is not None:
-            known[task.id] = parts
-        if unknown and parts is not None:
+        if parts is None:
+            told[task.id] = "runs"
+            continue
+        known[task.id] = parts
+        if unknown:
             told[task.id] = "maybe"
             continue
-        found = found_outputs(task, parts.key(), cache) if parts is not None else None
-        told[task.id] = "runs" if found is None else "cached"
+        key = parts.key()
+        found = found_outputs(task, key, cache)
+        told[task.id] = "cached" if found is not None or key in running else "runs"
+        running.add(key)
         if found is not None:
             held.update({Slot(task.id, name): value for name, value in found[0].items()})
     return told, known

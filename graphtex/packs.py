@@ -10,6 +10,7 @@ from importlib.metadata import EntryPoint, entry_points
 from types import ModuleType
 from typing import Any
 
+from graphtex.errors import DeclarationError
 from graphtex.node import Node
 
 GROUP = "graphtex.nodes"
@@ -48,11 +49,11 @@ def load_packs(points: Iterable[EntryPoint]) -> Registry:
     for point in sorted(points, key=lambda point: (point.name != "graphtex_nodes", point.name)):
         try:
             found = nodes_of(point.load())
-        except Exception as error:  # noqa: BLE001 (whatever a third party raises must not take the rest down)
+        except (Exception, SystemExit) as error:  # noqa: BLE001 (a third party's fault must not take the rest down)
             broken.append(f"pack {point.name!r} ({point.value}) did not load: {type(error).__name__}: {error}")
             continue
         for name, made in found.items():
-            if name in nodes:
+            if nodes.get(name, made) is not made:
                 broken.append(
                     f"pack {point.name!r}: node {name} is left out, pack {packs[name]!r} has one of that name"
                 )
@@ -62,11 +63,12 @@ def load_packs(points: Iterable[EntryPoint]) -> Registry:
 
 
 def nodes_of(module: ModuleType) -> dict[str, Node[Any, Any]]:
-    """Return the nodes among a module's public names."""
+    """Return the nodes among a module's public names; DeclarationError if two of them have one name."""
     if not isinstance(module, ModuleType):
         raise TypeError(f"a pack is a module, got {type(module).__name__}")
-    return {
-        made.name: made
-        for key, made in sorted(vars(module).items())
-        if isinstance(made, Node) and not key.startswith("_")
-    }
+    found: dict[str, Node[Any, Any]] = {}
+    for key, made in sorted(vars(module).items()):
+        if isinstance(made, Node) and not key.startswith("_") and found.setdefault(made.name, made) is not made:
+            functions = [f"{one.__module__}.{one.__qualname__}" for one in (found[made.name].function, made.function)]
+            raise DeclarationError(f"two nodes are named {made.name}: {' and '.join(functions)}")
+    return found

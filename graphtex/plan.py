@@ -38,14 +38,16 @@ class Task:
     inputs
         Socket to slot, or to a tuple of slots for a list.
     parameters
-        Plain data, complete but for `measured` ones; files are absolute paths.
+        Plain data, complete and canonical but for `measured` ones; files are absolute paths.
+    files
+        The files among the parameters.
     measured
         Parameters that another task's number feeds.
     seed, spawn_key
         Entropy of the node's random stream.
-    keep_going
-        Whether the run goes on if this task fails (a cell of an `each:` with ``on_error: keep``).
-    places
+    cell
+        The id of the cell of an `each:` with ``on_error: keep`` that it is in: the run goes on if it fails.
+    place
         Where the entry stands: an example problem with file, line and column.
     """
 
@@ -53,10 +55,11 @@ class Task:
     node: Node[Any, Any]
     inputs: Mapping[str, Slot | tuple[Slot, ...]]
     parameters: Mapping[str, Any]
+    files: tuple[Path, ...] = ()
     measured: Mapping[str, Slot] = field(default_factory=dict)
     seed: int = 0
     spawn_key: tuple[int, ...] = ()
-    keep_going: bool = False
+    cell: str = ""
     place: Problem = _NOWHERE
 
     @cached_property
@@ -110,11 +113,17 @@ class Plan:
 
     def only(self, outputs: Mapping[str, PlannedOutput]) -> "Plan":
         """Return the plan cut down to what some outputs need."""
-        wanted = {slot.task for output in outputs.values() for slot in output.slots if slot not in self.given}
-        needed = set(wanted)
-        for task in wanted:
-            needed |= nx.ancestors(self.dag, task)
-        return Plan(self.graph, {key: task for key, task in self.tasks.items() if key in needed}, self.given, outputs)
+        ahead = [slot for output in outputs.values() for slot in output.slots]
+        needed: set[str] = set()
+        while ahead:
+            task = ahead.pop().task
+            if task in self.tasks and task not in needed:
+                needed.add(task)
+                ahead += self.tasks[task].slots
+        tasks = {key: task for key, task in self.tasks.items() if key in needed}
+        read = {slot for task in tasks.values() for slot in task.slots}
+        read.update(slot for output in outputs.values() for slot in output.slots)
+        return Plan(self.graph, tasks, {slot: value for slot, value in self.given.items() if slot in read}, outputs)
 
 
 def stream_words(task: str) -> tuple[int, ...]:
@@ -138,8 +147,3 @@ def cells_of(ranges: Mapping[str, list[Any]]) -> list[tuple[str, dict[str, Any]]
         (f"[{','.join(map(str, index))}]", {key: ranges[key][i] for key, i in zip(ranges, index, strict=True)})
         for index in indices
     ]
-
-
-def absolute(base: Path, path: Path) -> Path:
-    """Return a path relative to `base` as an absolute one; the file need not exist."""
-    return path if path.is_absolute() else (base / path).absolute()

@@ -72,7 +72,7 @@ def run(
     inputs: Mapping[str, Any] | None = None,
     *,
     seed: int | None = None,
-    only: Sequence[str] = (),
+    only: str | Sequence[str] = (),
     executor: str | Executor = "serial",
     workers: int | None = None,
     cache: Cache | str | os.PathLike[str] | bool = True,
@@ -91,6 +91,8 @@ def run(
         Replaces the graph's seed.
     only
         Names of the outputs that are wanted; without it all.
+    executor
+        ``serial`` or ``threads``, or an executor that the caller has opened and closes.
     cache
         A cache, its folder, True for the default one or False for none.
     emit
@@ -109,15 +111,16 @@ def run(
     Cancelled
         If the run was stopped.
     """
-    plan = restrict(bind(graph, inputs, seed=seed, base=base), only)
+    emit = events.told_once(emit)
+    whole = bind(graph, inputs, seed=seed, base=base)
+    plan = restrict(whole, only)
     with ExitStack() as stack:
+        # a caller's own executor stays open, for the next run
+        runner = stack.enter_context(make_executor(executor, workers)) if isinstance(executor, str) else executor
         used = open_cache(cache, stack, emit)
-        runner = executor if not isinstance(executor, str) else make_executor(executor, workers)
-        stack.enter_context(runner)
-        explain = Explainer(graph, used)
+        explain = Explainer(whole, used)
         finished = schedule(plan, runner, cache=used, emit=emit, cancel=cancel, explain=explain, keep_all=keep_all)
-        if used is not None:
-            explain.remember(finished.parts, emit)
+        explain.remember(finished.parts, emit)
     result = RunResult(plan, finished, used)
     if finished.failure is not None:
         finished.failure.result = result
@@ -125,8 +128,11 @@ def run(
     return result
 
 
-def restrict(plan: Plan, only: Sequence[str]) -> Plan:
-    """Return the plan for some of its outputs; GraphError for a name that it does not have."""
+def restrict(plan: Plan, only: str | Sequence[str]) -> Plan:
+    """Return the plan for some of its outputs; GraphError for a name that it does not have, or if it has none."""
+    if not plan.outputs:
+        raise GraphError([plan.graph.problem(("outputs",), "the graph has no outputs: there is nothing to run for")])
+    only = [only] if isinstance(only, str) else only
     unknown = [name for name in only if name not in plan.outputs]
     if unknown:
         raise GraphError(
@@ -140,7 +146,7 @@ def open_cache(cache: Cache | str | os.PathLike[str] | bool, stack: ExitStack, e
     """Return the cache that a run uses, its session entered; None with a warning if it cannot be written."""
     if cache is False:
         return None
-    opened = cache if isinstance(cache, Cache) else Cache(None if cache is True else Path(cache))
+    opened = cache if isinstance(cache, Cache) else make_cache(None if cache is True else Path(cache))
     try:
         return stack.enter_context(opened.session())
     except CacheUnavailable as error:
@@ -148,12 +154,20 @@ def open_cache(cache: Cache | str | os.PathLike[str] | bool, stack: ExitStack, e
         return None
 
 
+def make_cache(folder: Path | None) -> Cache:
+    """Return the cache in a folder, without one the user's own; GraphError if its size in the environment is none."""
+    try:
+        return Cache(folder)
+    except ValueError as error:
+        raise GraphError([Problem("", 0, 0, "", str(error))]) from error
+
+
 class Explainer:
     """Says why a task must run: what changed since the graph's last recorded run."""
 
-    def __init__(self, graph: Graph, cache: Cache | None) -> None:
-        self._cache = cache
-        self._name = graph_identity(graph.file)
+    def __init__(self, plan: Plan, cache: Cache | None) -> None:
+        self._plan, self._cache = plan, cache
+        self._name = graph_identity(plan.graph.file)
         self._last = (cache.last_run(self._name) or {}) if cache is not None else {}
 
     def __call__(self, task: Task, parts: KeyParts | None) -> str:
@@ -169,8 +183,10 @@ class Explainer:
 
     def remember(self, parts: Mapping[str, KeyParts], emit: Emit) -> None:
         """Record what the keys of this run were made of; tasks that were not reached keep what they had."""
-        assert self._cache is not None
+        if self._cache is None:
+            return
+        kept = {task: old for task, old in self._last.items() if task in self._plan.tasks}
         try:
-            self._cache.record_run(self._name, {**self._last, **parts})
+            self._cache.record_run(self._name, {**kept, **parts})
         except CacheUnavailable as error:
             emit(events.Warned("", str(error)))

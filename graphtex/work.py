@@ -3,14 +3,14 @@
 import time
 import traceback
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from graphtex.cache import Cache, CacheUnavailable, EntryLost, digest_value
 from graphtex.context import Context
-from graphtex.errors import Cancelled, NodeFailed
+from graphtex.errors import Cancelled, DeclarationError, NodeFailed
 from graphtex.parameters import validate
 from graphtex.plan import Slot, Task
 from graphtex.sockets import Gap, ValueType
@@ -18,18 +18,33 @@ from graphtex.sockets import Gap, ValueType
 
 @dataclass(frozen=True)
 class Held:
-    """A value as the scheduler knows it: in memory, in the store under its digest, or both."""
+    """A value as the scheduler knows it: in memory, in the store under its digest, or both.
+
+    Attributes
+    ----------
+    stored
+        Whether it was put into the store, so that another process can read it there; it may be gone since.
+    """
 
     type: ValueType
     value: Any = None
     digest: str = ""
     in_memory: bool = True
+    stored: bool = False
+
+    def dropped(self) -> "Held":
+        """Return the same without what is in memory."""
+        return Held(self.type, None, self.digest, in_memory=False, stored=self.stored)
+
+    def stripped(self) -> "Held":
+        """Return what has to travel to another process on the same store."""
+        return self.dropped() if self.stored else self
 
     def load(self, cache: Cache | None) -> Any:
         """Return the value; `EntryLost` if it is in neither place."""
         if self.in_memory:
             return self.value
-        assert cache is not None  # only a cache makes values that are not in memory
+        assert cache is not None  # without a cache a value is in memory as long as somebody needs it
         return cache.get(str(self.type), self.digest)
 
 
@@ -40,6 +55,18 @@ class Call:
     task: Task
     inputs: Mapping[str, Held | Gap | tuple[Held | Gap, ...]]
     threads: int = 1
+
+    def stripped(self) -> "Call":
+        """Return the call without the values that the store holds, for another process."""
+        inputs = {
+            name: tuple(map(_stripped, held)) if isinstance(held, tuple) else _stripped(held)
+            for name, held in self.inputs.items()
+        }
+        return replace(self, inputs=inputs)
+
+
+def _stripped(held: Held | Gap) -> Held | Gap:
+    return held if isinstance(held, Gap) else held.stripped()
 
 
 @dataclass(frozen=True)
@@ -59,6 +86,10 @@ class Outcome:
     seconds: float
     warnings: tuple[str, ...]
 
+    def stripped(self) -> "Outcome":
+        """Return the outcome without the values that the store holds, for another process."""
+        return replace(self, outputs={name: held.stripped() for name, held in self.outputs.items()})
+
 
 class InputLost(Exception):
     """An input's stored value is gone or damaged; its task must run again."""
@@ -66,6 +97,9 @@ class InputLost(Exception):
     def __init__(self, slots: tuple[Slot, ...]) -> None:
         super().__init__(", ".join(f"{slot.task}.{slot.socket}" for slot in slots))
         self.slots = slots
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return InputLost, (self.slots,)
 
 
 def execute(call: Call, monitor: Monitor, cache: Cache | None) -> Outcome:
@@ -102,7 +136,7 @@ def execute(call: Call, monitor: Monitor, cache: Cache | None) -> Outcome:
     start = time.perf_counter()
     try:
         outputs = node.run(values, parameters, injected)
-    except (Cancelled, MemoryError):
+    except Cancelled:
         raise
     except Exception as error:
         raise NodeFailed(task.id, describe_failure(error, values)) from error
@@ -116,7 +150,7 @@ def keep(kind: ValueType, value: Any, cache: Cache | None, monitor: Monitor) -> 
     if cache is None:
         return Held(kind, value)
     try:
-        return Held(kind, value, cache.put(str(kind), value))
+        return Held(kind, value, cache.put(str(kind), value), stored=True)
     except CacheUnavailable as error:
         monitor.on_warning("", str(error))
         return Held(kind, value, digest_value(str(kind), value))
@@ -153,7 +187,7 @@ def load_inputs(call: Call, cache: Cache | None) -> dict[str, Any]:
 def describe_failure(error: Exception, values: Mapping[str, Any]) -> str:
     """Return the cause, and the shapes of what the node was given."""
     cause = str(error) or type(error).__name__
-    if not isinstance(error, ValueError):
+    if not isinstance(error, ValueError | DeclarationError):  # these say themselves what is wrong, and where
         frame = traceback.extract_tb(error.__traceback__)[-1]
         cause = f"{type(error).__name__}: {cause} ({frame.filename}:{frame.lineno})"
     shapes = ", ".join(f"{name} {shape_of(value)}" for name, value in values.items())

@@ -3,18 +3,19 @@
 from collections.abc import Mapping
 from typing import Any
 
-from graphtex import links
-from graphtex.check.values import accepted, dollars, scalar_default
+from graphtex.check.values import accepted, dollars, reference_problems, scalar_default
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.graph import REQUIRED, Entry, Graph, Place
 from graphtex.inputs import check_scalar
-from graphtex.links import Chain, Literal, Measured, Signature
+from graphtex.links import Links, Signature
 from graphtex.parameters import validate
+from graphtex.references import FromInput, Literal, Measured, is_input, is_scalar, parameter_argument
 from graphtex.sockets import ValueType
 
 
-def argument_problems(graph: Graph, path: Place, entry: Entry, signature: Signature, chain: Chain) -> list[Problem]:
+def argument_problems(links: Links, path: Place, entry: Entry, signature: Signature) -> list[Problem]:
     """Return what is wrong with an entry's arguments."""
+    graph = links.graph
     problems: list[Problem] = []
     known = (*signature.sockets, *signature.parameters)
     for key in entry.arguments:
@@ -23,33 +24,23 @@ def argument_problems(graph: Graph, path: Place, entry: Entry, signature: Signat
             problems.append(graph.problem((*path, key), f"{signature.title} has no argument {key!r}{hint}", key=True))
     for key, socket in signature.sockets.items():
         if key in entry.arguments:
-            problems += _socket_problems(graph, (*path, key), entry.arguments[key], socket.type, chain)
+            problems += _socket_problems(links, (*path, key), entry.arguments[key], socket.type)
         elif not socket.optional and key not in entry.each:
             problems.append(graph.problem(path, f"{signature.title} needs {key}: a reference to {socket.type}"))
-    return problems + _parameter_problems(graph, path, entry, signature, chain)
+    return problems + _parameter_problems(links, path, entry, signature)
 
 
-def _socket_problems(graph: Graph, path: Place, value: Any, wanted: ValueType, chain: Chain) -> list[Problem]:
+def _socket_problems(links: Links, path: Place, value: Any, wanted: ValueType) -> list[Problem]:
     if not isinstance(value, list):
-        return _reference_problems(graph, path, value, wanted, chain)
+        return reference_problems(links, path, value, wanted)
     if not wanted.many:
-        return [graph.problem(path, f"expected one {wanted}, got a list of {len(value)}")]
+        return [links.graph.problem(path, f"expected one {wanted}, got a list of {len(value)}")]
     single = ValueType(wanted.base)
-    return [p for i, item in enumerate(value) for p in _reference_problems(graph, (*path, i), item, single, chain)]
+    return [p for i, item in enumerate(value) for p in reference_problems(links, (*path, i), item, single)]
 
 
-def _reference_problems(graph: Graph, path: Place, value: Any, wanted: ValueType, chain: Chain) -> list[Problem]:
-    try:
-        got = links.reference_type(graph, path, links.reference(graph, path, value), chain)
-    except GraphError as error:
-        return list(error.problems)
-    if got.base == wanted.base and got.many == wanted.many:
-        return []
-    hint = "; write a list: [...]" if wanted.many and not got.many and got.base == wanted.base else ""
-    return [graph.problem(path, f"expected {wanted}, got {got}{hint}")]
-
-
-def _parameter_problems(graph: Graph, path: Place, entry: Entry, signature: Signature, chain: Chain) -> list[Problem]:
+def _parameter_problems(links: Links, path: Place, entry: Entry, signature: Signature) -> list[Problem]:
+    graph = links.graph
     problems: list[Problem] = []
     values: dict[str, Any] = {}
     later = {key for key in entry.each if key in signature.parameters}
@@ -58,13 +49,13 @@ def _parameter_problems(graph: Graph, path: Place, entry: Entry, signature: Sign
             continue
         place = (*path, key)
         try:
-            found = links.parameter_argument(graph, place, entry.arguments[key])
+            found = parameter_argument(graph, place, entry.arguments[key])
             if isinstance(found, Literal):
                 values[key] = found.value
                 problems += [graph.problem(*fault) for fault in dollars(entry.arguments[key], place)]
             elif isinstance(found, Measured):
                 later.add(key)
-                problems += _measured_problems(graph, place, found, signature, chain)
+                problems += _measured_problems(links, place, found, signature)
             elif (default := scalar_default(graph, place, found, signature, key)) is not REQUIRED:
                 values[key] = default
             else:
@@ -82,13 +73,11 @@ def _parameter_problems(graph: Graph, path: Place, entry: Entry, signature: Sign
     return problems + _item_problems(graph, path, entry, signature, values, later)
 
 
-def _measured_problems(
-    graph: Graph, place: Place, found: Measured, signature: Signature, chain: Chain
-) -> list[Problem]:
-    key = place[-1]
+def _measured_problems(links: Links, place: Place, found: Measured, signature: Signature) -> list[Problem]:
+    graph, key = links.graph, place[-1]
     if "number" not in (wanted := accepted(signature, str(key))) and "integer" not in wanted:
         return [graph.problem(place, f"{key} takes no number, so none that is measured")]
-    got = links.reference_type(graph, place, found.source, chain)
+    got = links.type_of(place, found.source)
     if got.base.name == "Number" and not got.many:
         return []
     return [graph.problem(place, f"a parameter is fed by a Number, got {got}")]
@@ -98,7 +87,7 @@ def _explained(graph: Graph, entry: Entry, where: tuple[str | int, ...], text: s
     got = entry.arguments.get(str(where[0]))
     if text == "a value is required":
         return f"{where[-1]}: {text}"
-    if isinstance(got, str) and got.startswith("$") and not got.startswith("$$"):
+    if is_input(got):
         return f"the default of {got} does not fit: {text}"
     if isinstance(got, str) and got.split(".")[0] in graph.nodes:
         return f"{text}; a measured number is written {{from: {got}}}"
@@ -115,7 +104,7 @@ def _subgraph_problems(
         except ValueError as error:
             problems.append(graph.problem((*path, key), str(error)))
     for key, kind in inner.inputs.items():
-        if links.is_scalar(kind) and kind.default is REQUIRED and key not in values and key not in later:
+        if is_scalar(kind) and kind.default is REQUIRED and key not in values and key not in later:
             problems.append(graph.problem(path, f"{key}: a value is required"))
     return problems
 
@@ -130,10 +119,20 @@ def _item_problems(
             continue
         for index, item in enumerate(items):
             place = (*path, "each", key, index)
-            value = links.unescaped(item)
-            inside = list(dollars(item, place))
+            try:
+                found = parameter_argument(graph, place, item)
+                if isinstance(found, Measured):
+                    problems.append(graph.problem(place, "computed values cannot be ranged over"))
+                    continue
+                value = (
+                    scalar_default(graph, place, found, signature, key) if isinstance(found, FromInput) else found.value
+                )
+            except GraphError as error:
+                problems += error.problems
+                continue
+            inside = [] if is_input(item) else list(dollars(item, place))
             problems += [graph.problem(*fault) for fault in inside]
-            if inside:
+            if inside or value is REQUIRED:
                 continue
             if signature.model is not None:
                 faults = validate(signature.model, {**values, key: value}, unknown=later - {key})[1]

@@ -4,13 +4,13 @@ import re
 from dataclasses import replace
 from pathlib import PurePosixPath
 
-from graphtex import links
 from graphtex.errors import GraphError, Problem
 from graphtex.graph import REQUIRED, Graph, Input, Output, Place
 from graphtex.handlers import DEFAULT_SUFFIX, find_writer
 from graphtex.inputs import check_scalar, default_faults, split_type
-from graphtex.links import Chain
+from graphtex.links import Links
 from graphtex.parameters import validate
+from graphtex.references import is_scalar, reference
 
 
 def input_problems(graph: Graph) -> list[Problem]:
@@ -37,7 +37,7 @@ def _bound_problems(graph: Graph, place: Place, kind: Input, inner: str) -> list
     for key in ("min", "max"):
         if getattr(kind, key) is not None and inner not in ("int", "float", "data"):
             problems.append(graph.problem((*place, key), f"{key} is for numbers, not for {kind.type}", key=True))
-    if kind.choices is not None and not links.is_scalar(kind):
+    if kind.choices is not None and not is_scalar(kind):
         problems.append(
             graph.problem((*place, "choices"), f"choices are for parameters, not for {kind.type}", key=True)
         )
@@ -50,12 +50,12 @@ def _bound_problems(graph: Graph, place: Place, kind: Input, inner: str) -> list
     return problems
 
 
-def output_problems(graph: Graph, chain: Chain) -> list[Problem]:
+def output_problems(links: Links) -> list[Problem]:
     """Return what is wrong with a graph's outputs, their files and formats."""
-    problems = []
+    graph, problems = links.graph, []
     written: dict[str, str] = {}
     for name, output in graph.outputs.items():
-        problems += _output_problems(graph, ("outputs", name), output, chain)
+        problems += _output_problems(links, ("outputs", name), output)
         if output.file is not None:
             first = written.setdefault(str(PurePosixPath(output.file)), name)
             if first != name:
@@ -64,19 +64,21 @@ def output_problems(graph: Graph, chain: Chain) -> list[Problem]:
     return problems
 
 
-def _output_problems(graph: Graph, path: Place, output: Output, chain: Chain) -> list[Problem]:
+def _output_problems(links: Links, path: Place, output: Output) -> list[Problem]:
+    graph = links.graph
     place = (*path, "from") if (*path, "from") in graph.places else path
     problems = []
     if output.file is not None and _leaves_the_folder(output.file):
         told = f"expected a file inside of the output folder, which the run chooses; got {output.file!r}"
         problems.append(graph.problem((*path, "file"), told))
     try:
-        kind = links.reference_type(graph, place, links.reference(graph, place, output.source), chain)
+        kind = links.type_of(place, reference(graph, place, output.source))
     except GraphError as error:
         return [*problems, *error.problems]
     suffix = PurePosixPath(output.file).suffix if output.file else DEFAULT_SUFFIX.get(kind.base.name)
     if suffix is None:
-        return problems  # a type that is handed back but never written
+        told = f"{kind.base.name} is not written, so it has no option"  # it is handed back all the same
+        return problems + [graph.problem((*path, key), f"{told} {key!r}", key=True) for key in output.options]
     try:
         entry = find_writer(kind.base, suffix)
     except ValueError as error:

@@ -2,50 +2,60 @@
 
 from typing import Any
 
-from graphtex.check.values import dollars, item_problem, scalar_input
+from graphtex.check.values import dollars, item_problem, reference_problems, scalar_input
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.graph import REQUIRED, Entry, Graph, Place
-from graphtex.inputs import check_openable
-from graphtex.links import FromInput, Signature
+from graphtex.inputs import check_openable, check_seed
+from graphtex.links import Links, Signature
 from graphtex.parameters import shorten
+from graphtex.references import FromInput, is_input
 from graphtex.sockets import ValueType
 
 
-def range_problems(graph: Graph, path: Place, entry: Entry, signature: Signature) -> list[Problem]:
+def range_problems(links: Links, path: Place, entry: Entry, signature: Signature) -> list[Problem]:
     """Return what is wrong with an entry's `each`, `seed` and `on_error`."""
+    graph = links.graph
     problems = []
     for key, value in entry.each.items():
-        problems += _range_problems(graph, (*path, "each", key), key, value, entry, signature)
-    if entry.on_error == "keep" and not entry.each:
+        problems += _range_problems(links, (*path, "each", key), key, value, entry, signature)
+    if entry.on_error not in ("stop", "keep"):
+        problems.append(graph.problem((*path, "on_error"), f"stop or keep, got {shorten(entry.on_error)}"))
+    elif entry.on_error == "keep" and not entry.each:
         told = "on_error: keep belongs to each:, a single node has no cells"
         problems.append(graph.problem((*path, "on_error"), told))
-    return problems + _seed_problems(graph, (*path, "seed"), entry.seed)
+    return problems + ([] if entry.seed is None else _seed_problems(graph, (*path, "seed"), entry.seed))
 
 
 def _range_problems(
-    graph: Graph, place: Place, key: str, value: Any, entry: Entry, signature: Signature
+    links: Links, place: Place, key: str, value: Any, entry: Entry, signature: Signature
 ) -> list[Problem]:
+    graph = links.graph
     known = (*signature.sockets, *signature.parameters, "seed")
     if key not in known:
         hint = did_you_mean(key, known, label="arguments")
         return [graph.problem(place, f"{signature.title} has no argument {key!r}{hint}", key=True)]
     if key in entry.arguments or (key == "seed" and entry.seed is not None):
         return [graph.problem(place, f"{key} is given twice: here and beside each", key=True)]
-    if isinstance(value, str) and value.startswith("$") and not value.startswith("$$"):
+    if key in signature.sockets and signature.sockets[key].type.many:
+        return [graph.problem(place, f"each cannot range over {key}, which takes a list for each cell", key=True)]
+    if is_input(value):
         return item_problem(graph, place, FromInput(value[1:]), signature, key)
     if not isinstance(value, list) or not value:
         wanted = "a list with at least one item, or $input; computed values cannot be ranged over"
         return [graph.problem(place, f"expected {wanted}, got {shorten(value)}")]
     if key in signature.sockets:
-        return _openable_problems(graph, place, value, signature.sockets[key].type)
+        return _openable_problems(links, place, value, signature.sockets[key].type)
     if key == "seed":
-        return [_seed_problem(graph, (*place, i), seed) for i, seed in enumerate(value) if not _is_seed(seed)]
+        return [problem for i, seed in enumerate(value) for problem in _seed_problems(graph, (*place, i), seed)]
     return []  # items of parameters are checked with the other parameters
 
 
-def _openable_problems(graph: Graph, place: Place, items: list[Any], kind: ValueType) -> list[Problem]:
-    problems = []
+def _openable_problems(links: Links, place: Place, items: list[Any], kind: ValueType) -> list[Problem]:
+    graph, problems = links.graph, []
     for index, item in enumerate(items):
+        if is_input(item):
+            problems += reference_problems(links, (*place, index), item, kind)
+            continue
         inside = list(dollars(item, (*place, index)))
         if inside:
             problems += [graph.problem(*fault) for fault in inside]
@@ -60,7 +70,7 @@ def _openable_problems(graph: Graph, place: Place, items: list[Any], kind: Value
 
 
 def _seed_problems(graph: Graph, place: Place, seed: Any) -> list[Problem]:
-    if isinstance(seed, str) and seed.startswith("$"):
+    if is_input(seed):
         try:
             kind = scalar_input(graph, place, FromInput(seed[1:]))
         except GraphError as error:
@@ -70,12 +80,8 @@ def _seed_problems(graph: Graph, place: Place, seed: Any) -> list[Problem]:
                 [] if kind.type in ("int", "data") else [graph.problem(place, f"{seed} is {kind.type}, a seed is int")]
             )
         seed = kind.default
-    return [] if seed is None or _is_seed(seed) else [_seed_problem(graph, place, seed)]
-
-
-def _is_seed(value: Any) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and value >= 0
-
-
-def _seed_problem(graph: Graph, path: Place, value: Any) -> Problem:
-    return graph.problem(path, f"a seed is a whole number from 0, got {shorten(value)}")
+    try:
+        check_seed(seed)
+    except ValueError as error:
+        return [graph.problem(place, str(error))]
+    return []

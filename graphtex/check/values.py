@@ -3,12 +3,13 @@
 from collections.abc import Iterator
 from typing import Any
 
-from graphtex import links
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.graph import Graph, Input, Place
 from graphtex.inputs import split_type
-from graphtex.links import FromInput, Signature
+from graphtex.links import Links, Signature
 from graphtex.parameters import JSON_TYPES, json_types
+from graphtex.references import FromInput, is_input, is_scalar, reference
+from graphtex.sockets import ValueType
 
 _GIVES = {"int": {"integer"}, "float": {"number"}, "str": {"string"}, "file": {"string"}, "bool": {"boolean"}}
 
@@ -27,6 +28,18 @@ def _given(kind: str) -> frozenset[str]:
     return frozenset({"array"}) if many else frozenset(_GIVES.get(inner, JSON_TYPES))
 
 
+def reference_problems(links: Links, path: Place, value: Any, wanted: ValueType) -> list[Problem]:
+    """Return what is wrong with a reference that is to give a value of some type."""
+    try:
+        got = links.type_of(path, reference(links.graph, path, value))
+    except GraphError as error:
+        return list(error.problems)
+    if got.base == wanted.base and got.many == wanted.many:
+        return []
+    hint = "; write a list: [...]" if wanted.many and not got.many and got.base == wanted.base else ""
+    return [links.graph.problem(path, f"expected {wanted}, got {got}{hint}")]
+
+
 def scalar_input(graph: Graph, path: Place, source: FromInput) -> Input:
     """Return the graph input that feeds a parameter; GraphError if there is none or it is no scalar."""
     kind = graph.inputs.get(source.name)
@@ -34,7 +47,7 @@ def scalar_input(graph: Graph, path: Place, source: FromInput) -> Input:
         hint = did_you_mean(source.name, graph.inputs, label="inputs")
         raise GraphError([graph.problem(path, f"unknown graph input ${source.name}{hint}")])
     _require_known(kind)
-    if not links.is_scalar(kind):
+    if not is_scalar(kind):
         told = f"${source.name} is {kind.type}, which flows into sockets and no parameters"
         raise GraphError([graph.problem(path, told)])
     return kind
@@ -67,7 +80,7 @@ def item_problem(graph: Graph, place: Place, source: FromInput, signature: Signa
         wanted = f"list[{signature.sockets[key].type}]"
         return [] if kind.type == wanted else [graph.problem(place, f"expected {wanted}; {name}")]
     wanted_types = frozenset({"integer"}) if key == "seed" else accepted(signature, key)
-    if not links.is_scalar(kind) or not _given(inner) & wanted_types:
+    if not is_scalar(kind) or not _given(inner) & wanted_types:
         shown = " or ".join(sorted(wanted_types - {"null"}))
         return [graph.problem(place, f"{name}, {key} takes {shown}")]
     return []
@@ -82,7 +95,7 @@ def _require_known(kind: Input) -> None:
 
 def dollars(value: Any, path: Place) -> Iterator[tuple[Place, str]]:
     """Yield the texts inside of a value that look like graph inputs, which only a whole argument can be."""
-    if isinstance(value, str) and value.startswith("$") and not value.startswith("$$"):
+    if is_input(value):
         told = f"{value} inside of a value: a graph input can only be a whole argument; a plain dollar is written $$"
         yield path, told
     elif isinstance(value, list):

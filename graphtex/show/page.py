@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 
-from graphtex import links
 from graphtex.graph import REQUIRED, Graph, Input
+from graphtex.links import Links
+from graphtex.references import reference
 from graphtex.show.paint import svg
 from graphtex.show.scene import brief, kind_text
 from graphtex.show.style import MONO, SANS, escape
@@ -44,7 +45,8 @@ def html(graph: Graph) -> str:
     """
     drawing = svg(graph)
     inputs = [_input_row(name, kind) for name, kind in graph.inputs.items()]
-    outputs = [_output_row(graph, name) for name in graph.outputs]
+    links = Links(graph)
+    outputs = [_output_row(links, name) for name in graph.outputs]
     parts = [
         heading(graph),
         f'<div class="drawing" tabindex="0" role="group" aria-label="The graph">{drawing}</div>',
@@ -104,7 +106,7 @@ def _input_row(name: str, kind: Input) -> tuple[str, ...]:
     return (escape(name), escape(kind.type), default, escape(bounds(kind)), escape(kind.description))
 
 
-def _output_row(graph: Graph, name: str) -> tuple[str, ...]:
-    output = graph.outputs[name]
-    kind = links.reference_type(graph, (), links.reference(graph, (), output.source))
+def _output_row(links: Links, name: str) -> tuple[str, ...]:
+    graph, output = links.graph, links.graph.outputs[name]
+    kind = links.type_of((), reference(graph, (), output.source))
     return (escape(name), escape(kind_text(kind)), f"<code>{escape(output.source)}</code>", escape(output.file or ""))

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, Literal
 
-from graphtex import links
-from graphtex.check import check
+from graphtex.check import check_links
 from graphtex.errors import GraphError
 from graphtex.graph import REQUIRED, Entry, Graph, Input
-from graphtex.links import FromInput, Reference, Signature
+from graphtex.links import Links, Signature
 from graphtex.parameters import plain
+from graphtex.references import FromInput, Reference, is_scalar, range_argument, reference, references_of, unescaped
 from graphtex.sockets import ValueType
 
 MAX_LINES = 6  # parameters shown in a box
@@ -85,18 +85,19 @@ class Scene:
 
 def scene(graph: Graph) -> Scene:
     """Return what is to be drawn; GraphError with all its problems if the graph is faulty."""
-    problems = check(graph)
+    links = Links(graph)
+    problems = check_links(links)
     if problems:
         raise GraphError(problems)
     boxes = [_input_box(name, kind) for name, kind in graph.inputs.items()]
     drawn: list[Link] = []
     for name, entry in graph.nodes.items():
-        box, into = _entry_box(graph, name, entry)
+        box, into = _entry_box(links, name, entry)
         boxes.append(box)
         drawn += into
     for name, output in graph.outputs.items():
-        source = links.reference(graph, ("outputs", name), output.source)
-        start, out, kind = _origin(graph, source)
+        source = reference(graph, ("outputs", name), output.source)
+        start, out, kind = _origin(links, source)
         boxes.append(Box(f">{name}", "output", name, kind_text(kind), _file_line(output.file), ins=(_port("", kind),)))
         drawn.append(Link(start, out, f">{name}", "", kind.base.name, kind.many))
     return Scene(tuple(boxes), tuple(drawn))
@@ -149,28 +150,23 @@ def _input_box(name: str, kind: Input) -> Box:
     return Box(f"${name}", "input", name, subtitle, default, outs=(port,), about=kind.description)
 
 
-def _origin(graph: Graph, source: Reference) -> tuple[str, str, ValueType]:
+def _origin(links: Links, source: Reference) -> tuple[str, str, ValueType]:
     """Return the box, the port and the type that a reference to a socket's value means."""
-    kind = links.reference_type(graph, (), source)
-    if isinstance(source, FromInput):
-        return f"${source.name}", "", kind
-    signature = links.entry_signature(graph, ("nodes", source.node), graph.nodes[source.node])
-    return source.node, links.only_output(graph, (), source, signature), kind
+    socket, kind = links.find((), source)
+    return (f"${source.name}" if isinstance(source, FromInput) else source.node), socket, kind
 
 
-def _entry_box(graph: Graph, name: str, entry: Entry) -> tuple[Box, list[Link]]:
-    path = ("nodes", name)
-    signature = links.entry_signature(graph, path, entry)
+def _entry_box(links: Links, name: str, entry: Entry) -> tuple[Box, list[Link]]:
+    signature = links.signature(name)
     ports: list[Port] = []
     into: list[Link] = []
     lines: list[str] = []
     for key, value, ranged in _arguments(entry):
-        literal = ranged and isinstance(value, list)  # ranges hold plain values, never references
-        found = () if literal else links.references_of(graph, (*path, key), value, key in signature.sockets)
+        found = _references(links.graph, key, value, ranged, key in signature.sockets)
         if not found:
             lines += _literal_line(signature, key, value, ranged)
             continue
-        ends = [_link(graph, source, name, key, value) for source in found]
+        ends = [_link(links, source, name, key, value) for source in found]
         into += ends
         port = _port(key, signature.sockets[key].type) if key in signature.sockets else Port(key, ends[0].type)
         ports.append(port)
@@ -182,7 +178,7 @@ def _entry_box(graph: Graph, name: str, entry: Entry) -> tuple[Box, list[Link]]:
     about = signature.node.summary if signature.node else signature.title
     kind: Kind = "node" if signature.node else "graph"
     subtitle = entry.node or PurePath(entry.graph).name
-    box = Box(name, kind, name, subtitle, tuple(lines), tuple(ports), outs, _stack(graph, entry), about)
+    box = Box(name, kind, name, subtitle, tuple(lines), tuple(ports), outs, _stack(links.graph, entry), about)
     return box, into
 
 
@@ -196,20 +192,27 @@ def _arguments(entry: Entry) -> Iterator[tuple[str, Any, bool]]:
         yield "seed", entry.seed, False
 
 
-def _link(graph: Graph, source: Reference, name: str, key: str, value: Any) -> Link:
-    if isinstance(source, FromInput) and links.is_scalar(graph.inputs[source.name]):
-        port = _scalar_port("", graph.inputs[source.name])
+def _references(graph: Graph, key: str, value: Any, ranged: bool, is_socket: bool) -> tuple[Reference, ...]:
+    if not ranged:
+        return references_of(graph, (key,), value, is_socket)
+    items = range_argument(graph, (key,), value)  # literals, or inputs, or both
+    return tuple(item for item in (items if isinstance(items, tuple) else (items,)) if isinstance(item, FromInput))
+
+
+def _link(links: Links, source: Reference, name: str, key: str, value: Any) -> Link:
+    if isinstance(source, FromInput) and is_scalar(links.graph.inputs[source.name]):
+        port = _scalar_port("", links.graph.inputs[source.name])
         return Link(f"${source.name}", "", name, key, port.type, port.many)
-    start, out, kind = _origin(graph, source)
+    start, out, kind = _origin(links, source)
     return Link(start, out, name, key, kind.base.name, kind.many, measured=isinstance(value, Mapping))
 
 
 def _literal_line(signature: Signature, key: str, value: Any, ranged: bool) -> list[str]:
     if ranged:
-        return [f"{key} in {brief(links.unescaped(value))}"]
+        return [f"{key} in {brief(unescaped(value))}"]
     if key in signature.sockets:
         return []  # an empty list: nothing flows
-    value = links.unescaped(value)
+    value = unescaped(value)
     return [] if key != "seed" and plain(_default(signature, key)) == value else [f"{key}={brief(value)}"]
 
 
