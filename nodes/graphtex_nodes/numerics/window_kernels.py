@@ -2,6 +2,8 @@
 
 # mypy: allow-untyped-defs
 
+import numpy as np
+
 from graphtex_nodes.numerics.jit import kernel
 
 
@@ -15,25 +17,39 @@ def add_products(samples, total, first, stop):
                 total[row, column] += value * samples[index, column]
 
 
-@kernel("const f4[:,:], i8, i8, i8, const f4[:,:], const f4[:], f4[:,:,:], i8, i8", fastmath={"contract"})
+@kernel(
+    "const f4[:,:], i8, i8, i8, const f4[:,:], const f4[:], f4[:,:,:], i8, i8",
+    fastmath={"contract", "reassoc", "nsz"},
+)
 def project(image, channels, window, step, basis, offset, out, first, stop):
     """Coordinates of windows in a basis.
 
-    ``image`` is (h, w * channels), ``basis`` (window * window * channels, k), ``offset`` (k): what to subtract, the
+    ``image`` is (h, w * channels), ``basis`` (k, window * window * channels), ``offset`` (k): what to subtract, the
     coordinates of the mean. ``out`` (rows, columns, k): the window whose corner is at (step * row, step * column).
+    Four windows at a time share each load of the basis.
     """
-    count = basis.shape[1]
     span = window * channels
+    size = window * span
+    windows = np.zeros((4, size), np.float32)
+    one, two, three, four = windows[0], windows[1], windows[2], windows[3]
     for row in range(first, stop):
-        for column in range(out.shape[1]):
-            place = out[row, column]
-            for k in range(count):
-                place[k] = -offset[k]
-            start = column * step * channels
-            for y in range(window):
-                line = image[row * step + y]
-                for t in range(span):
-                    value = line[start + t]
-                    direction = basis[y * span + t]
-                    for k in range(count):
-                        place[k] += value * direction[k]
+        for column in range(0, out.shape[1], 4):
+            count = min(4, out.shape[1] - column)
+            for number in range(count):
+                start = (column + number) * step * channels
+                for y in range(window):
+                    for t in range(span):
+                        windows[number, y * span + t] = image[row * step + y, start + t]
+            for k in range(basis.shape[0]):
+                direction = basis[k]
+                sums = (np.float32(0), np.float32(0), np.float32(0), np.float32(0))
+                for t in range(size):
+                    value = direction[t]
+                    sums = (
+                        sums[0] + one[t] * value,
+                        sums[1] + two[t] * value,
+                        sums[2] + three[t] * value,
+                        sums[3] + four[t] * value,
+                    )
+                for number in range(count):
+                    out[row, column + number, k] = sums[number] - offset[k]

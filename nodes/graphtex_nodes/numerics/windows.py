@@ -54,11 +54,12 @@ class Basis:
         shape = ((height - self.window) // step + 1, (width - self.window) // step + 1, self.mean.size)
         out = np.empty(shape, np.float32)
         flat = np.ascontiguousarray(image).reshape(height, width * channels)
+        rows = np.ascontiguousarray(self.directions.T)
 
         def band(first: int, stop: int) -> None:
-            window_kernels.project(flat, channels, self.window, step, self.directions, self.mean, out, first, stop)
+            window_kernels.project(flat, channels, self.window, step, rows, self.mean, out, first, stop)
 
-        for_rows(band, shape[0], shape[1] * self.directions.size / 4, work)
+        for_rows(band, shape[0], shape[1] * self.directions.size / 8, work)
         return out
 
 
@@ -149,6 +150,7 @@ def leading_directions(covariance: NDArray[np.float64], variance: float, largest
         return _orthonormal(basis[:, :1])
     for _ in range(ROUNDS):
         basis = _orthonormal(np.einsum("ij,jk->ik", covariance, basis))
+    basis = _orthonormal(basis)  # a second time: rounding left columns of unlike size a little aslant
     kept = (basis * np.einsum("ij,jk->ik", covariance, basis)).sum(axis=0)
     share = np.cumsum(kept) / trace
     return basis[:, : int(np.searchsorted(share, variance)) + 1]
@@ -170,17 +172,15 @@ def evened(columns: NDArray[np.float64], covariance: NDArray[np.float64], share:
 
 
 def _orthonormal(columns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Modified Gram-Schmidt, twice over; columns that vanish are left out."""
-    for _ in range(2):
-        rest = columns.T.copy()
-        sizes = np.sqrt((rest * rest).sum(axis=1))
-        kept = []
-        for index, row in enumerate(rest):
-            size = np.sqrt((row * row).sum())
-            if size > 1e-10 * sizes[index] and size > 0:
-                row /= size
-                kept.append(index)
-                later = rest[index + 1 :]
-                later -= (later * row).sum(axis=1)[:, None] * row
-        columns = rest[kept].T
-    return columns
+    """Modified Gram-Schmidt; columns that vanish are left out."""
+    rest = columns.T.copy()
+    sizes = np.sqrt((rest * rest).sum(axis=1))
+    kept = []
+    for index, row in enumerate(rest):
+        size = np.sqrt((row * row).sum())
+        if size > 1e-10 * sizes[index] and size > 0:
+            row /= size
+            kept.append(index)
+            later = rest[index + 1 :]
+            later -= (later * row).sum(axis=1)[:, None] * row
+    return np.ascontiguousarray(rest[kept].T)
