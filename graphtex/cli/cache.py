@@ -21,12 +21,9 @@ cache_app = App(
 
 
 def _open(folder: Path | None) -> "Cache":
-    from graphtex.cache import Cache
+    from graphtex.run import make_cache
 
-    try:
-        return Cache(folder)
-    except ValueError as error:
-        raise GraphError([Problem("", 0, 0, "", str(error))]) from error
+    return make_cache(folder)
 
 
 @cache_app.command

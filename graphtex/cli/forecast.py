@@ -101,9 +101,9 @@ def plan_of(graph: "Graph", values: Mapping[str, Any], seed: int | None, only: S
 
 def cache_of(choice: Path | bool) -> "Cache | None":
     """Return the cache that an option names: a folder, True for the user's own, False for none."""
-    from graphtex.cache import Cache
+    from graphtex.run import make_cache
 
-    return None if choice is False else Cache(None if choice is True else choice)
+    return None if choice is False else make_cache(None if choice is True else choice)
 
 
 def dry_run(

@@ -28,7 +28,7 @@ class LiveDisplay(Display):
         super().__init__()
         self.console = console or Console(stderr=True, highlight=False)
         self._live = Live(console=self.console, get_renderable=self.picture, refresh_per_second=10, transient=True,
-                          redirect_stdout=False, redirect_stderr=False)  # fmt: skip
+                          redirect_stdout=False, redirect_stderr=True)  # fmt: skip
         self._open = False
 
     def __enter__(self) -> "LiveDisplay":

@@ -1,6 +1,8 @@
 """``graphtex run``: run a graph and write its outputs."""
 
+import sys
 from collections.abc import Mapping
+from contextlib import redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -145,7 +147,7 @@ def carry_out(job: Job) -> int:
     with make_display(job.quiet) as display:
         interrupts = Interrupts(lambda text: display.note(text) if text else display.close())
         try:
-            with interrupts:
+            with interrupts, redirect_stdout(sys.stderr):  # what nodes print is no result
                 result = interrupts.run(lambda: _run(job, display, interrupts.cancel))
         except Cancelled:
             display.close()

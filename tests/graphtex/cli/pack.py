@@ -73,6 +73,13 @@ def slow(image: Image, *, seconds: float = 10.0, ctx: Context = QUIET) -> Image:
 
 
 @node
+def chatty() -> Image:
+    """Print while it works."""
+    print("chatter")
+    return np.zeros((2, 2, 1), np.float32)
+
+
+@node
 def deaf(image: Image, *, seconds: float = 10.0) -> Image:
     """Take its time and hear nothing meanwhile."""
     time.sleep(seconds)

@@ -271,3 +271,35 @@ def test_dry_run_tells_what_is_cached_what_runs_and_what_depends(command: Comman
     }
     assert command("run", "small.yaml", "--dry-run", "--only", "base").out.count("cached") == 1
     assert command("run", "small.yaml", "--dry-run", "--no-cache").out.count("no cache") == 3
+
+
+def test_what_nodes_print_is_kept_out_of_the_result(command: Command, folder: Path) -> None:
+    text = "graphtex: 1\nnodes: {a: {node: Chatty}}\noutputs: {image: {from: a, file: a.num}}\n"
+    told = command("run", write(folder, text), "--json")
+    assert json.loads(told.out)["status"] == "done"
+    assert "chatter" in told.err.splitlines()
+
+
+def test_a_cache_that_cannot_be_used_is_warned_of_once_and_the_run_goes_on(command: Command, small: Path) -> None:
+    told = command("run", "small.yaml", "--cache", "small.yaml")
+    assert told.status == 0
+    assert "warning: running without cache: " in told.err
+    assert told.err.count("running without cache") == 1
+    assert command("run", "small.yaml", "--cache", "small.yaml", "--dry-run").status == 0
+
+
+def test_a_wrong_size_in_the_environment_is_a_wrong_request(
+    command: Command, small: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("GRAPHTEX_CACHE_SIZE", "much")
+    for words in (["run", "small.yaml"], ["run", "small.yaml", "--dry-run"], ["why", "small.yaml", "lit"]):
+        told = command(*words)
+        assert told.status == 2
+        assert told.err.startswith("GRAPHTEX_CACHE_SIZE: ")
+
+
+def test_an_output_that_cannot_be_written_gives_status_1(command: Command, small: Path) -> None:
+    Path("o/image.num").mkdir(parents=True)
+    told = command("run", "small.yaml", "--out", "o")
+    assert told.status == 1
+    assert told.err.splitlines()[-1].startswith("o/image.num: ")
