@@ -75,16 +75,20 @@ def canonical_json(obj: Any) -> str:
 
 
 def _refuse_other_than_json(obj: Any) -> None:
-    if isinstance(obj, dict):
-        for key, item in obj.items():
-            if not isinstance(key, str):  # json would write 1 and "1" alike
-                raise TypeError(f"canonical JSON: a key is a string, got {key!r}")
-            _refuse_other_than_json(item)
-    elif isinstance(obj, list | tuple):
-        for item in obj:
-            _refuse_other_than_json(item)
-    elif not isinstance(obj, _JSON_LEAVES):
-        raise TypeError(f"canonical JSON: expected a number, string, list or dict, got {type(obj).__name__}")
+    ahead = [obj]
+    while ahead:
+        one = ahead.pop()
+        if isinstance(one, _JSON_LEAVES):
+            continue
+        if isinstance(one, dict):
+            for key in one:
+                if not isinstance(key, str):  # json would write 1 and "1" alike
+                    raise TypeError(f"canonical JSON: a key is a string, got {key!r}")
+            ahead += one.values()
+        elif isinstance(one, list | tuple):
+            ahead += one
+        else:
+            raise TypeError(f"canonical JSON: expected a number, string, list or dict, got {type(one).__name__}")
 
 
 def text_digest(text: str) -> str:

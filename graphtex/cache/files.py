@@ -10,11 +10,12 @@ import uuid
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, TypeVar
 
 from graphtex.cache.digest import canonical_json, text_digest
 from graphtex.cache.errors import CacheUnavailable, DamagedEntry
 
+T = TypeVar("T")
 TEMPORARY_AGE = 3600.0
 """Seconds after which a temporary file counts as left over by a process that died."""
 
@@ -32,13 +33,10 @@ def write_atomically(path: Path, scratch: Path, write: Callable[[IO[bytes]], obj
     temporary = scratch / f"{path.name[:16]}-{uuid.uuid4().hex}"
     try:
         try:
-            if not (scratch.is_dir() and path.parent.is_dir()):
-                scratch.mkdir(parents=True, exist_ok=True)
-                path.parent.mkdir(parents=True, exist_ok=True)
-            with temporary.open("xb") as file:
+            with _in_folder(scratch, lambda: temporary.open("xb")) as file:
                 write(file)
                 size = file.tell()
-            temporary.replace(path)
+            _in_folder(path.parent, lambda: temporary.replace(path))
         except BaseException:
             with suppress(OSError):
                 temporary.unlink(missing_ok=True)
@@ -46,6 +44,15 @@ def write_atomically(path: Path, scratch: Path, write: Callable[[IO[bytes]], obj
     except OSError as error:
         raise CacheUnavailable(f"the cache in {scratch.parent} cannot be written: {error.strerror or error}") from error
     return size
+
+
+def _in_folder(folder: Path, act: Callable[[], T]) -> T:
+    """Do something in a folder that is there nearly always; make it where it is not."""
+    try:
+        return act()
+    except FileNotFoundError:
+        folder.mkdir(parents=True, exist_ok=True)
+        return act()
 
 
 def write_checked(path: Path, scratch: Path, body: dict[str, Any]) -> int:

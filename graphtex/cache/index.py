@@ -5,9 +5,10 @@ what the keys of a graph's last run were made, for ``graphtex why``. Both carry 
 is removed.
 """
 
+import re
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,9 @@ class Record:
     created: float = field(default_factory=time.time, compare=False)
 
 
+_KEY = re.compile("[0-9a-f]{64}")
+
+
 class Index:
     """Records by key, and runs by graph, in the cache's folder."""
 
@@ -63,13 +67,15 @@ class Index:
 
     def path(self, key: str) -> Path:
         """Return the record's file; ValueError if the key is no hex digest."""
-        if len(key) != 64 or not set(key) <= set("0123456789abcdef"):
+        if not _KEY.fullmatch(key):
             raise ValueError(f"key: expected 64 hex digits, got {key[:80]!r}")
-        return self.records / key[:2] / f"{key}.json"
+        return Path(f"{self.records}/{key[:2]}/{key}.json")
 
     def write(self, record: Record) -> int:
         """Store a record in place of an older one; return its size. Raises `CacheUnavailable`."""
-        return write_checked(self.path(record.key), self.scratch, asdict(record))
+        outputs = {name: {"type": output.type, "digest": output.digest} for name, output in record.outputs.items()}
+        body = {name: getattr(record, name) for name in ("key", "node", "seconds", "warnings", "created")}
+        return write_checked(self.path(record.key), self.scratch, body | {"outputs": outputs})
 
     def read(self, key: str) -> Record | None:
         """Return the record, or None if there is none or it is damaged (then it has been removed)."""

@@ -44,6 +44,9 @@ class CodeDigest:
         return cls(text_digest(canonical_json(ordered)), ordered, tuple(sorted(packages)))
 
 
+_COUNTED = ("format", "node", "version", "params", "inputs", "entropy", "environment")
+
+
 @dataclass(frozen=True)
 class KeyParts:
     """All that the result of one node depends on.
@@ -77,7 +80,8 @@ class KeyParts:
 
     def key(self) -> str:
         """Return the key, 64 hex digits; TypeError if the parameters are not JSON."""
-        return text_digest(canonical_json(self.to_json() | {"code": self.code.digest}))
+        counted: dict[str, Any] = {name: getattr(self, name) for name in _COUNTED}
+        return text_digest(canonical_json(counted | {"code": self.code.digest}))
 
     def to_json(self) -> dict[str, Any]:
         """Return the parts as a JSON object."""

@@ -193,7 +193,7 @@ class Store:
     def _path(self, digest: str, suffix: str) -> Path:
         if not _DIGEST.fullmatch(digest):  # a digest from a damaged file must not lead out of the store
             raise MissingEntry(f"no digest: {digest[:80]!r}")
-        return self.objects / digest[:2] / (digest + suffix)
+        return Path(f"{self.objects}/{digest[:2]}/{digest}{suffix}")
 
     def _find(self, digest: str) -> Path:
         for suffix in (".npy", ".json"):
