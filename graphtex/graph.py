@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.node import Node
 from graphtex.parameters import plain
@@ -102,7 +104,7 @@ class NodeHandle:
         self._outputs = outputs
 
     def __getattr__(self, socket: str) -> SocketHandle:
-        if socket.startswith("__") or socket not in self._outputs:
+        if socket.startswith("_") or socket not in self._outputs:
             raise AttributeError(
                 f"{self._name} has no output {socket!r}{did_you_mean(socket, self._outputs, label='outputs')}"
             )
@@ -197,7 +199,11 @@ class Graph:
             )
         self._free_name(name, self.nodes, ("nodes", name))
         if isinstance(node, Node):
-            if registry().nodes.get(node.name) is not node:
+            known = self.own_nodes.get(node.name) or registry().nodes.get(node.name)
+            if known is not None and known is not node:
+                text = f"another node is called {node.name}, {known.function.__module__}.{known.function.__qualname__}"
+                raise GraphError([self.problem(("nodes", name), text)])
+            if known is None:
                 self.own_nodes[node.name] = node
             entry = Entry(node=node.name)
         else:
@@ -205,7 +211,9 @@ class Graph:
         signature = Links(self).entry_signature(("nodes", name), entry)
         written = {key: _written(value, key in signature.sockets) for key, value in arguments.items()}
         ranges = {
-            key: _written(value, True) if isinstance(value, InputHandle) else plain(value)
+            key: [_written(item, False) for item in value]
+            if isinstance(value, list | tuple)
+            else _written(value, False)
             for key, value in (each or {}).items()
         }
         self.nodes[name] = Entry(entry.node, entry.graph, written, ranges, _written(seed, False), on_error)
@@ -264,6 +272,9 @@ def _written(value: Any, is_socket: bool) -> Any:
         value = SocketHandle(value._name)
     if isinstance(value, SocketHandle):
         return value.reference if is_socket else {"from": value.reference}
+    if is_socket and isinstance(value, np.ndarray):
+        text = "an array does not stand in a graph; add an input, and give the array when it is run"
+        raise GraphError([Problem("", 0, 0, "", text)])
     if is_socket and isinstance(value, list | tuple):
         return [_written(item, True) for item in value]
     return _escaped(plain(value)) if not is_socket else plain(value)

@@ -13,13 +13,16 @@ from pydantic import BaseModel
 from graphtex import docstrings
 from graphtex.context import QUIET, Context, Injected, generator
 from graphtex.errors import DeclarationError, did_you_mean
+from graphtex.kinds import TYPES, ArrayType, find_type
 from graphtex.parameters import parameters_model, validate
-from graphtex.sockets import TYPES, Axes, Gap, ValueType, check_axes, find_type
+from graphtex.sockets import Axes, Gap, ValueType, check_axes
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 RESERVED = frozenset({"node", "graph", "each", "seed", "on_error"})  # words of a node entry in a graph file
+_INJECTED = "write it keyword-only as `rng: Rng = 0` or `ctx: Context = QUIET`"
+_NO_RESULT = (inspect.iscoroutinefunction, inspect.isgeneratorfunction, inspect.isasyncgenfunction)
 _ORDINARY = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
 
 
@@ -58,9 +61,12 @@ class Node(Generic[P, R]):
     def __repr__(self) -> str:
         return f"<node {self.name}, version {self.version}>"
 
+    def __reduce__(self) -> str:
+        return self.function.__qualname__  # by reference, as functions are: the name in their module
+
     @property
     def summary(self) -> str:
-        """The docstring's first sentence."""
+        """The docstring's first paragraph."""
         return docstrings.summary(self.function.__doc__)
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
@@ -150,7 +156,9 @@ def require_plain_function(function: Any, what: str) -> str:
         raise DeclarationError(
             f"{function.__qualname__}: a {what} is a module-level function, not a lambda, method or closure"
         )
-    if inspect.iscoroutinefunction(function) or inspect.isgeneratorfunction(function):
+    if function.__closure__ is not None:  # a wrapper made by another decorator has borrowed the function's name
+        raise DeclarationError(f"{function.__name__}: a {what} is no closure; no decorator stands below @{what}")
+    if any(test(function) for test in _NO_RESULT):
         raise DeclarationError(f"{function.__name__}: a {what} returns its result; it is no generator or coroutine")
     return function.__name__
 
@@ -160,9 +168,12 @@ def _declare(function: Callable[P, R], *, version: int, name: str | None) -> Nod
     name = name or camel_case(own)
     if not re.fullmatch(r"[A-Z][A-Za-z0-9]*", name):
         raise DeclarationError(f"{own}: a node's name is CamelCase letters and digits, got {name!r}")
-    if version < 1:
+    if type(version) is not int or version < 1:
         raise DeclarationError(f"{own}: a version counts from 1, got {version}")
-    hints = get_type_hints(function, include_extras=True)
+    try:
+        hints = get_type_hints(function, include_extras=True)
+    except NameError as error:
+        raise DeclarationError(f"{own}: an annotation cannot be read: {error}") from error
     texts = docstrings.section(function.__doc__, "Parameters")
     inputs: dict[str, Socket] = {}
     keywords, injected = [], set()
@@ -184,6 +195,8 @@ def _declare(function: Callable[P, R], *, version: int, name: str | None) -> Nod
             raise DeclarationError(
                 f"{where}: data flows through positional arguments; a keyword-only one is a parameter"
             )
+        elif parameter.name in ("rng", "ctx"):
+            raise DeclarationError(f"{where}: {_INJECTED}")
         else:
             keywords.append(parameter)
     outputs, result = _outputs(own, hints.get("return"), docstrings.section(function.__doc__, "Returns"))
@@ -201,7 +214,7 @@ def _is_injected(parameter: inspect.Parameter, hint: Any, where: str) -> bool:
         or parameter.kind is not inspect.Parameter.KEYWORD_ONLY
         or parameter.default is parameter.empty
     ):
-        raise DeclarationError(f"{where}: write it keyword-only as `rng: Rng = 0` or `ctx: Context = QUIET`")
+        raise DeclarationError(f"{where}: {_INJECTED}")
     return True
 
 
@@ -223,6 +236,10 @@ def _outputs(owner: str, hint: Any, texts: Mapping[str, str]) -> tuple[dict[str,
         for key, inner in get_type_hints(hint, include_extras=True).items():
             kind, axes = _value_type(inner, f"{owner} -> {hint.__name__}.{key}")
             outputs[key] = Socket(key, kind, False, axes, texts.get(key, ""))
+        if not outputs:
+            raise DeclarationError(f"{owner} -> {hint.__name__}: a node has at least one output")
+        if any(socket.type.gaps for socket in outputs.values()):
+            raise DeclarationError(f"{owner}: gaps stand for failed cells; a node takes them and gives none")
         return outputs, hint
     kind, axes = _value_type(hint, f"{owner} -> result")
     return {"result": Socket("result", kind, False, axes, " ".join(texts.values()))}, None
@@ -237,17 +254,29 @@ def _split_optional(hint: Any) -> tuple[bool, Any]:
 
 
 def _value_type(hint: Any, where: str) -> tuple[ValueType, tuple[str, ...]]:
-    many = get_origin(hint) is list
-    inner, gaps = (get_args(hint)[0] if many else hint), False
+    outer, axes = _split_axes(hint)
+    many = get_origin(outer) is list
+    inner, gaps = (get_args(outer)[0] if many else outer), False
     if many and get_origin(inner) in (Union, types.UnionType):
         rest = [arg for arg in get_args(inner) if arg is not Gap]
         gaps = len(rest) < len(get_args(inner))
         inner = rest[0] if len(rest) == 1 else inner
+    if many and not axes:
+        axes = _split_axes(inner)[1]
     base = find_type(inner)
     if base is None:
         got = getattr(inner, "__name__", str(inner))
         raise DeclarationError(f"{where}: {got} is no socket type{did_you_mean(got, TYPES, label='socket types')}")
-    axes: tuple[str, ...] = ()
-    if get_origin(hint) is Annotated:
-        axes = next((extra.split() for extra in get_args(hint) if isinstance(extra, Axes)), ())
+    rank = len(base.axes) if isinstance(base, ArrayType) else 0
+    if axes and len(axes) != rank:
+        raise DeclarationError(f"{where}: {base.name} has {rank} axes, Axes names {len(axes)}: {' '.join(axes)}")
     return ValueType(base, many, gaps), axes
+
+
+def _split_axes(hint: Any) -> tuple[Any, tuple[str, ...]]:
+    """Return an annotation, of a list without what annotates the list, and the names of axes that it gives."""
+    if get_origin(hint) is not Annotated:
+        return hint, ()
+    inner, *extras = get_args(hint)
+    axes = next((extra.split() for extra in extras if isinstance(extra, Axes)), ())
+    return (inner if get_origin(inner) is list else hint), axes

@@ -6,9 +6,11 @@ Parameters are data: they are checked as JSON would be, strictly, so ``"no"`` is
 import functools
 import inspect
 import json
+import math
+import types
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias, Union, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
@@ -26,28 +28,72 @@ _STRICT = ConfigDict(
 
 
 def parameters_model(owner: str, parameters: Iterable[inspect.Parameter], hints: Mapping[str, Any]) -> type[BaseModel]:
-    """Build the model `owner`'s keyword-only parameters form; DeclarationError for a type that JSON cannot write."""
-    fields: dict[str, Any] = {}
+    """Build the model that `owner`'s keyword-only parameters form.
+
+    Defaults are kept as they would be read from a file, so that leaving a parameter out and writing its default are
+    the same.
+
+    Raises
+    ------
+    DeclarationError
+        For a type that JSON cannot write and read back the same, or a default that does not fit.
+    """
+    required: dict[str, Any] = {}
+    defaults: dict[str, Any] = {}
     for parameter in parameters:
-        default = ... if parameter.default is inspect.Parameter.empty else parameter.default
-        fields[parameter.name] = (hints[parameter.name], default)
+        name, hint, default = parameter.name, hints[parameter.name], parameter.default
+        if hasattr(BaseModel, name) or name.startswith("_"):
+            raise DeclarationError(f"{owner}: a parameter cannot be called {name!r}, a name of pydantic's models")
+        _require_plain(hint, f"{owner}: {name}")
+        if isinstance(default, FieldInfo):
+            text = f"a default is a plain value: {name}: Annotated[float, Field(gt=0)] = 1.0"
+            raise DeclarationError(f"{owner}: {text}")
+        required[name] = (hint, ...)
+        if default is not inspect.Parameter.empty:
+            defaults[name] = default
+    strict = _made(owner, required)
+    fields = dict(required)
+    for name, default in defaults.items():
+        checked, problems = validate(strict, {name: default}, unknown=required.keys() - {name})
+        if checked is None:
+            text = f"{owner}: the default of {name} does not fit its own type: {problems[0][1]}"
+            raise DeclarationError(text)
+        fields[name] = (required[name][0], getattr(checked, name))
+    return _made(owner, fields)
+
+
+def _made(owner: str, fields: dict[str, Any]) -> type[BaseModel]:
     try:
         model: type[BaseModel] = create_model(owner, __config__=_STRICT, **fields)
         model.model_json_schema()
     except Exception as error:  # pydantic has no common base for what it finds wrong with a type
         raise DeclarationError(f"{owner}: a parameter's type is unknown or not plain data: {error}") from error
-    for name, info in model.model_fields.items():
-        _check_default(owner, name, info, model)
     return model
 
 
-def _check_default(owner: str, name: str, info: FieldInfo, model: type[BaseModel]) -> None:
-    if info.is_required():
+def _require_plain(hint: Any, where: str) -> None:
+    """Raise DeclarationError for a type whose values JSON cannot hold, or not in one way only."""
+    origin, arguments = get_origin(hint), get_args(hint)
+    if hint in (bool, int, float, str, Path, type(None), None) or origin is Literal:
         return
-    others = frozenset(model.model_fields) - {name}
-    problems = [text for _, text in validate(model, {name: info.default}, unknown=others)[1]]
-    if problems:
-        raise DeclarationError(f"{owner}: the default of {name} does not fit its own type: {problems[0]}")
+    if origin is Annotated:
+        _require_plain(arguments[0], where)
+    elif origin in (Union, types.UnionType) or (origin in (list, tuple) and arguments):
+        for inner in arguments:
+            if inner is not Ellipsis:
+                _require_plain(inner, where)
+    elif origin is dict and arguments[0] is str:
+        _require_plain(arguments[1], where)
+    elif isinstance(hint, type) and issubclass(hint, BaseModel):
+        if not (hint.model_config.get("frozen") and hint.model_config.get("extra") == "forbid"):
+            config = 'model_config = ConfigDict(frozen=True, extra="forbid")'
+            raise DeclarationError(f"{where}: the model {hint.__name__} has to be frozen and strict: {config}")
+        for name, info in hint.model_fields.items():
+            _require_plain(info.annotation, f"{where}.{name}")
+    else:
+        got = getattr(hint, "__name__", None) or str(hint)
+        wanted = "bool, int, float, str, Literal, FilePath, list, tuple, dict[str, ...] and small pydantic models"
+        raise DeclarationError(f"{where}: {got} is unknown or not plain data; plain are {wanted}")
 
 
 def plain(value: Any) -> Any:
@@ -93,15 +139,52 @@ def validate(
     The model, or None and the list of (path, message).
     """
     model = without(model, frozenset(unknown))
+    data = plain(values)
     try:
-        text = json.dumps(plain(values))
+        text = json.dumps(data)
     except (TypeError, ValueError) as error:
         bad = next((key for key, value in values.items() if not _is_plain(value)), "")
         return None, [((bad,), f"not plain data ({error}); numbers, text, true/false, lists and mappings are")]
     try:
-        return model.model_validate_json(text, strict=True), []
+        found = model.model_validate_json(text, strict=True)
     except ValidationError as error:
-        return None, [(tuple(fault["loc"]), _message(model, fault)) for fault in error.errors(include_url=False)]
+        return None, _merged(model, data, error.errors(include_url=False))
+    if "NaN" in text or "Infinity" in text:  # models within the model may not have said that they take none
+        infinite = [key for key, value in data.items() if not _is_finite(value)]
+        if infinite:
+            return None, [((key,), "should be made of finite numbers, got NaN or infinity") for key in infinite]
+    return found, []
+
+
+def _merged(model: type[BaseModel], data: Any, faults: Iterable[Any]) -> list[tuple[tuple[str | int, ...], str]]:
+    """Return one message for each place; of a union of types each has its say."""
+    texts: dict[tuple[str | int, ...], list[str]] = {}
+    for fault in faults:
+        text = _message(model, fault)
+        told = texts.setdefault(_place(fault, data), [])
+        if text not in told:
+            told.append(text)
+    return [(place, "; or ".join(told)) for place, told in texts.items()]
+
+
+def _place(fault: Any, data: Any) -> tuple[str | int, ...]:
+    """Return where a fault is in the data, without the names of a union's types, which pydantic puts in between."""
+    place: list[str | int] = []
+    for part in fault["loc"]:
+        if (isinstance(data, Mapping) and part in data) or (
+            isinstance(data, list) and isinstance(part, int) and part < len(data)
+        ):
+            place.append(part)
+            data = data[part]
+    return (*place, fault["loc"][-1]) if fault["type"] == "missing" else tuple(place)
+
+
+def _is_finite(value: Any) -> bool:
+    if isinstance(value, Mapping):
+        return all(map(_is_finite, value.values()))
+    if isinstance(value, list):
+        return all(map(_is_finite, value))
+    return not isinstance(value, float) or math.isfinite(value)
 
 
 def _is_plain(value: Any) -> bool:
@@ -135,9 +218,14 @@ _JSON_TYPE = {int: "integer", float: "number", str: "string", bool: "boolean", l
 
 def json_types(model: type[BaseModel], name: str) -> frozenset[str]:
     """Return the JSON types that a parameter accepts; a number may be an integer."""
-    whole = model.model_json_schema()
+    whole = _schema(model)
     found = _types_of(whole["properties"][name], whole.get("$defs", {}))
     return found | {"integer"} if "number" in found else found
+
+
+@functools.cache
+def _schema(model: type[BaseModel]) -> dict[str, Any]:
+    return model.model_json_schema()
 
 
 def _types_of(schema: Mapping[str, Any], definitions: Mapping[str, Any]) -> frozenset[str]:
