@@ -143,6 +143,9 @@ def carry_out(job: Job) -> int:
     _check_folder(job.folder, "--out")
     if job.report is not None:
         _check_folder(job.report.parent, "--report")
+        if job.report.is_dir():
+            message = f"{str(job.report)!r} is a folder; the report is a file"
+            raise GraphError([Problem("", 0, 0, "--report", message)])
     failure: NodeFailed | None = None
     with make_display(job.quiet) as display:
         interrupts = Interrupts(lambda text: display.note(text) if text else display.close())

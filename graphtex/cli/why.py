@@ -24,7 +24,8 @@ def why(graph: str, node: str, /, *, set_: Set = None, seed: int | None = None, 
     graph
         A graph file, or the name of a graph that ships with graphtex.
     node
-        The node's id in the graph; a cell of an each is cell[2,3], a node of a sub-graph cell[2,3]/warp.
+        The node's id in the graph; a cell of an each is cell[2,3], a node of a sub-graph cell[2,3]/warp. The name of an
+        input means what opens it.
     set_
         NAME=VALUE: the value of a graph input, as for run.
     seed
@@ -50,9 +51,11 @@ def why(graph: str, node: str, /, *, set_: Set = None, seed: int | None = None, 
 
 def tasks_of(plan: "Plan", node: str) -> list[str]:
     """Return the tasks of a node: itself, its cells, or what a sub-graph is made of; GraphError if there are none."""
-    if node in plan.tasks:
-        return [node]
-    found = [task for task in plan.tasks if task.startswith((f"{node}[", f"{node}/"))]
+    for name in (node, f"${node}"):  # what opens an input is $input, which shells take for a variable
+        if name in plan.tasks:
+            return [name]
+    starts = tuple(f"{sign}{node}{mark}" for sign in ("", "$") for mark in "[/")
+    found = [task for task in plan.tasks if task.startswith(starts)]
     if not found:
         hint = did_you_mean(node, plan.tasks, label="nodes")
         raise GraphError([Problem("", 0, 0, "", f"the graph has no node {node!r}{hint}")])

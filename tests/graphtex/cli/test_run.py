@@ -109,6 +109,8 @@ outputs:
         (["--workers", "0"], "workers: at least one worker, got 0"),
         (["--cache", "c", "--no-cache"], "--no-cache: --cache was given too; choose one"),
         (["--out", "small.yaml"], "--out: the folder 'small.yaml' cannot be made: File exists"),
+        (["--report", "."], "--report: '.' is a folder; the report is a file"),
+        (["--report", "small.yaml/a.html"], "--report: the folder 'small.yaml' cannot be made: File exists"),
         (["--sed", "3"], "graphtex run: Unknown option: --sed. Did you mean --seed? (see graphtex run --help)"),
     ],
 )
@@ -137,10 +139,12 @@ def test_problems_of_the_file_have_its_places(command: Command, folder: Path) ->
     ]
 
 
-def test_an_unknown_graph_is_told(command: Command) -> None:
-    told = command("run", "nowhere.yaml")
+@pytest.mark.parametrize("name", ["nowhere.yaml", "", "/", "no/where", "perspective/"])
+def test_an_unknown_graph_is_told(command: Command, name: str) -> None:
+    told = command("run", name)
     assert told.status == 2
-    assert told.err.startswith("'nowhere.yaml' is no file and no graph that ships")
+    what = "is a folder, not a graph file" if name in ("", "/") else "is no file and no graph that ships"
+    assert told.err.startswith(f"{name!r} {what}")
     assert len(told.err.splitlines()) == 1
 
 

@@ -70,3 +70,18 @@ def test_cells_are_told_of_one_by_one(command: Command, folder: Path) -> None:
 def test_an_unknown_node(command: Command, small: Path) -> None:
     told = command("why", "small.yaml", "bas")
     assert (told.status, told.err) == (2, "the graph has no node 'bas'; did you mean 'base'?\n")
+
+
+def test_an_input_stands_for_what_opens_it(command: Command, folder: Path) -> None:
+    (folder / "a.num").write_text("0.5\n")
+    (folder / "graph.yaml").write_text(
+        "graphtex: 1\ninputs:\n  photo: {type: Image, default: a.num}\n"
+        "nodes: {b: {node: Parity, image: $photo}}\noutputs: {image: {from: b, file: b.num}}\n"
+    )
+    assert command("why", "graph.yaml", "photo").out == "$photo: runs: not run before\n"
+    assert command("why", "graph.yaml", "$photo").out == "$photo: runs: not run before\n"
+    command("run", "graph.yaml")
+    (folder / "a.num").write_text("0.6\n")
+    told = command("why", "graph.yaml", "photo").out.splitlines()
+    assert told[0] == "$photo: runs; since the last run changed"
+    assert told[1].startswith("  parameter path: ")
