@@ -61,32 +61,34 @@ class Album:
         picture = _view(kind, value)
         if isinstance(picture, str):
             return _figure(f'<div class="told">{code(picture)}</div>', _with_type(caption, kind))
-        inner, size_told = self.picture(picture, name, size)
-        held = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else ""
-        if held and value.shape[:2] == picture.shape[:2] and "shown" not in size_told:
-            size_told = ""  # the array's shape says it
-        details = " · ".join(filter(None, (held, size_told)))
-        return _figure(inner, f'{_with_type(caption, kind)}<br><span class="dim">{escape(details)}</span>')
+        inner, shown = self.picture(picture, name, size)
+        array = isinstance(value, np.ndarray)
+        told = [f"{value.dtype} {value.shape}" if array else ""]
+        if not array or value.shape[:2] != picture.shape[:2]:  # else the array's shape says it
+            told.append(f"view {picture.shape[1]} × {picture.shape[0]}")
+        if shown not in (None, picture.shape[1::-1]):
+            told.append("shown at {} × {}".format(*shown))
+        details = escape(" · ".join(filter(None, told)))
+        return _figure(inner, f'{_with_type(caption, kind)}<br><span class="dim">{details}</span>')
 
-    def picture(self, picture: NDArray[np.uint8], name: str, size: int) -> tuple[str, str]:
-        """Return a picture as a link that enlarges it, and what is to be said of its size."""
+    def picture(self, picture: NDArray[np.uint8], name: str, size: int) -> tuple[str, tuple[int, int] | None]:
+        """Return a picture as a link that enlarges it, and its width and height on the page; None if it is left out."""
         height, width = picture.shape[:2]
         data, shown = _png(picture, size)
         if self.used + len(data) > self.budget:
             self.left_out += 1
-            return f'<div class="told dim">{width} × {height}, left out: the page is full</div>', ""
+            return f'<div class="told dim">{width} × {height}, left out: the page is full</div>', None
         self.used += len(data)
         factor = max(1, _TINY // max(shown))
         style = ' class="tiny"' if factor > 1 else ""
         uri = base64.b64encode(data).decode("ascii")
         anchor = f"p{next(self._numbers)}"
-        told = f"view {width} × {height}" + (f" shown at {shown[0]} × {shown[1]}" if shown != (width, height) else "")
         image = (
             f'<img{style} src="data:image/png;base64,{uri}" alt="{escape(name)}" loading="lazy" '
             f'width="{shown[0] * factor}" height="{shown[1] * factor}">'
         )
         zoom = f'<a class="zoom" id="{anchor}" href="#{anchor}" aria-label="Enlarge {escape(name)}">{image}</a>'
-        return f'{zoom}<a class="close" href="#close" aria-label="Close">×</a>', told
+        return f'{zoom}<a class="close" href="#close" aria-label="Close">×</a>', shown
 
 
 def size_for(number: int, size: int) -> int:

@@ -17,7 +17,7 @@ from graphtex.report.style import SCRIPT, STYLE
 from graphtex.report.tasks import group_section, source_link
 from graphtex.report.words import chip, code, duration, folded, plural, tally, worst
 from graphtex.run import RunResult
-from graphtex.show.page import heading, page, table
+from graphtex.show.page import drawn, heading, page, table
 from graphtex.show.paint import svg
 from graphtex.show.scene import brief
 from graphtex.show.style import escape
@@ -64,8 +64,7 @@ def report_html(
         heading(story.graph),
         _summary(story, seconds),
         _notes(story, warnings, album),
-        f'<div class="drawing" tabindex="0" role="group" aria-label="The graph, with what became of each node">'
-        f"{svg(story.graph, marks=story.marks())}</div>",
+        drawn(svg(story.graph, marks=story.marks()), "The graph, with what became of each node"),
         f'<section id="outputs"><h2>Outputs</h2><div class="outputs">{"".join(shown)}</div></section>' if shown else "",
         _inputs(story, inputs or {}),
         _contents(story),

@@ -15,6 +15,7 @@ from graphtex.sockets import Gap
 from graphtex.work import shape_of
 
 SIZE = 512  # longest side of a picture of a node that ran once
+_LISTED = 24  # tasks of a node that are listed; more are folded away
 _UNFOLDED = 2  # failed tasks of a node that are unfolded
 
 
@@ -37,7 +38,10 @@ def group_section(story: Story, album: Album, group: Group) -> str:
         parts.append(_matrix(story, album, group))
         side = min(size_for(len(group.tasks), SIZE), 256)
         failed = [task for task in group.tasks if story.status(task) == "failed"][:_UNFOLDED]
-        parts += [_folded_task(story, album, task, side, task in failed) for task in group.tasks]
+        tasks = [_folded_task(story, album, task, side, task in failed) for task in group.tasks]
+        if len(tasks) > _LISTED:
+            tasks = [f"<details><summary>All {len(tasks)} tasks</summary>", *tasks, "</details>"]
+        parts += tasks
     parts.append("</section>")
     return "\n".join(parts)
 
@@ -100,7 +104,7 @@ def _body(story: Story, album: Album, name: str, size: int) -> str:
     """Return all that is known of a task."""
     task, report = story.result.plan.tasks[name], story.report(name)
     status = story.status(name)
-    parts = [f"<p>{escape(task.node.summary)}</p>" if task.node.summary else ""]
+    parts = [f"<p>{_marked_up(task.node.summary)}</p>" if task.node.summary else ""]
     if report and report.message:
         parts.append(f'<p class="message {status}"><b>{status.capitalize()}.</b> {escape(report.message)}</p>')
     parts += (
@@ -121,6 +125,11 @@ def _body(story: Story, album: Album, name: str, size: int) -> str:
     if rows:
         parts += ["<h3>Parameters</h3>", table(("Name", "Value", "", "What it is"), rows)]
     return "\n".join(filter(None, parts))
+
+
+def _marked_up(text: str) -> str:
+    """Return a docstring's words as HTML: ``code`` as code."""
+    return re.sub(r"``(.+?)``", r"<code>\1</code>", escape(text))
 
 
 def _facts(story: Story, task: Task) -> str:

@@ -1,5 +1,6 @@
 """Pages in one file: the frame and the type that the drawing's page and the run's report share."""
 
+import re
 from collections.abc import Iterable, Sequence
 
 from graphtex.graph import REQUIRED, Graph, Input
@@ -8,6 +9,8 @@ from graphtex.references import reference
 from graphtex.show.paint import svg
 from graphtex.show.scene import brief, kind_text
 from graphtex.show.style import MONO, SANS, escape
+
+_LEAST_SHARE = 0.75  # to which a drawing shrinks before it scrolls
 
 STYLE = f"""
 :root{{color-scheme:light dark;--page:#fff;--ink:#1b1f24;--dim:#57606a;--line:#dfe3e8;--soft:#f6f7f9;--link:#0b5cad}}
@@ -31,7 +34,7 @@ table{{border-collapse:collapse;font-size:.9rem}}
 th,td{{text-align:left;vertical-align:top;padding:.35rem 1rem .35rem 0;border-bottom:1px solid var(--line)}}
 th{{font-weight:600;color:var(--dim);white-space:nowrap}} td{{min-width:4rem}} tbody th{{color:var(--ink)}}
 .drawing{{overflow-x:auto;border:1px solid var(--line);border-radius:8px;margin:1.2rem 0}}
-.drawing svg{{display:block;margin:0 auto}}
+.drawing svg{{display:block;margin:0 auto;width:100%;height:auto}}
 """
 
 
@@ -43,13 +46,12 @@ def html(graph: Graph) -> str:
     GraphError
         With all its problems if the graph is faulty.
     """
-    drawing = svg(graph)
     inputs = [_input_row(name, kind) for name, kind in graph.inputs.items()]
     links = Links(graph)
     outputs = [_output_row(links, name) for name in graph.outputs]
     parts = [
         heading(graph),
-        f'<div class="drawing" tabindex="0" role="group" aria-label="The graph">{drawing}</div>',
+        drawn(svg(graph), "The graph"),
         *_section("Inputs", ("Name", "Type", "Default", "May be", "What it is"), inputs),
         *_section("Outputs", ("Name", "Type", "From", "File"), outputs),
     ]
@@ -75,6 +77,15 @@ def heading(graph: Graph) -> str:
     if graph.description:
         parts.append(f'<p class="lines">{escape(graph.description.strip())}</p>')
     return "\n".join(parts)
+
+
+def drawn(drawing: str, label: str) -> str:
+    """Return a drawing for a page: it shrinks a little to fit, and can be scrolled where that is not enough."""
+    found = re.search(r'width="([0-9.]+)"', drawing)
+    width = float(found[1]) if found else 0.0
+    style = f"min-width:{_LEAST_SHARE * width:g}px;max-width:{width:g}px;margin:0 auto"
+    inner = f'<div style="{style}">{drawing}</div>'
+    return f'<div class="drawing" tabindex="0" role="group" aria-label="{escape(label)}">{inner}</div>'
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -61,9 +61,10 @@ def svg(graph: Graph, *, marks: Mapping[str, Mark] | None = None) -> str:
     height = drawn.height + 2 * MARGIN + legend_height
     title = graph.title or "A graph"
     about = f"{len(graph.inputs)} inputs, {len(graph.nodes)} nodes, {len(graph.outputs)} outputs"
+    role = "group" if told else "img"  # an image's links could not be reached
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" class="gx" width="{width:g}" height="{height:g}" '
-        f'viewBox="0 0 {width:g} {height:g}" role="img" aria-label="{escape(f"{title}: {about}")}">',
+        f'viewBox="0 0 {width:g} {height:g}" role="{role}" aria-label="{escape(f"{title}: {about}")}">',
         f"<title>{escape(title)}</title><desc>{escape(about)}</desc>",
         f"<style>{_style(found, bodies)}</style>",
         f'<rect class="gx-page" width="{width:g}" height="{height:g}" rx="8"/>',

@@ -80,7 +80,7 @@ def everything(image: Image) -> Everything:
 
 @node
 def crop(image: Image, *, size: int = 4, rng: Rng = 0, ctx: Context = QUIET) -> Image:
-    """Cut the top left corner out.
+    """Cut the top left corner ``out``.
 
     More is said here.
     """
@@ -169,7 +169,7 @@ def test_a_run_that_went_well():
     assert "Why it ran no cache" in dark
     assert "amount 0.25 measured by mean" in dark
     piece = section(page, "piece")
-    assert "Cut the top left corner out." in piece
+    assert "Cut the top left corner <code>out</code>." in piece
     assert "More is said" not in piece
     assert "size 6" in plain(piece)
     assert "6 default" not in plain(piece)
@@ -212,7 +212,7 @@ def test_every_type_has_a_view():
         elif max(picture.shape[:2]) <= 256:
             assert any(np.array_equal(found, picture) for found in shown), name
         else:
-            assert f"view {picture.shape[1]} × {picture.shape[0]} shown at" in figure
+            assert f"view {picture.shape[1]} × {picture.shape[0]} · shown at" in figure
     assert {socket.type.base.name for socket in everything.outputs.values()} == set(TYPE_COLOURS)
     assert "0.25" in plain(page)
 
@@ -346,7 +346,7 @@ def test_large_pictures_are_reduced():
     """A picture of 2000 x 1000 is shown at 512 x 256, and both sizes are told."""
     figure = Album().figure(TYPES["Mask"], np.ones((1000, 2000), bool), "", "a mask", 512)
     assert pictures(figure)[0].shape[:2] == (256, 512)
-    assert "view 2000 × 1000 shown at 512 × 256" in figure
+    assert "bool (1000, 2000) · shown at 512 × 256" in figure
 
 
 def test_small_pictures_are_enlarged_by_whole_factors():
@@ -354,6 +354,11 @@ def test_small_pictures_are_enlarged_by_whole_factors():
     assert pictures(figure)[0].shape[:2] == (3, 10)
     assert 'class="tiny"' in figure
     assert 'width="90" height="27"' in figure
+
+
+def test_many_tasks_are_folded_away():
+    result = run(matrix(range(1, 14)), {"picture": PICTURE}, cache=False, keep_all=True)
+    assert "<summary>All 26 tasks</summary>" in report_html(result, seconds=1)
 
 
 def test_budget():
