@@ -73,6 +73,9 @@ class PlainDisplay(Display):
             case events.Started(task, why):
                 self._told[task] = now
                 self.note(f"{task}: {self.tally.nodes.get(task, 'node')} runs{f' ({why})' if why else ''}")
+            case events.Progress(task, 0.0, message) if message:  # what a node says before it starts is always told
+                self._told[task] = now
+                self.note(f"{task}: {message}")
             case events.Progress(task, fraction, message) if now - self._told.get(task, now) >= INTERVAL:
                 self._told[task] = now
                 self.note(f"{task}: {fraction:.0%}{f' {message}' if message else ''}")
