@@ -101,7 +101,8 @@ def _lines_of_equal_scale(image: Array, scale: Array) -> tuple[Array, Array, Arr
 
 def _run_lengths(lines: Array, inside: Array, band: Array, bands: int) -> Array:
     """Samples over crossings of each line's median, for each band; infinite where nothing crosses."""
-    middle = np.nanmedian(np.where(inside.any(axis=1)[:, None, None], _masked(lines, inside), 0), axis=1, keepdims=True)
+    used = np.asarray(inside.any(axis=1))[:, None, None]
+    middle = np.nanmedian(np.where(used, _masked(lines, inside), 0), axis=1, keepdims=True)
     above: Array = lines > middle
     crossing = (above[:, 1:] != above[:, :-1]).sum(axis=2)
     both = inside[:, 1:] & inside[:, :-1]

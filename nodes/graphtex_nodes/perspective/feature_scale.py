@@ -70,11 +70,10 @@ def feature_scale(
 
     Examples
     --------
-    >>> mask = np.zeros((4, 8), bool)
-    >>> mask[:, 4:] = True
-    >>> feature_scale(mask, window=3, passes=0)[0]
-    array([2.        , 2.        , 2.        , 1.3333334, 0.6666667,
-           0.125     , 0.125     , 0.125     ], dtype=float32)
+    >>> mask = np.zeros((4, 12), bool)
+    >>> mask[:, [0, 4, 6, 8, 10]] = True  # lines four columns apart, then two
+    >>> feature_scale(mask, window=4, passes=0)[0, 2:10].round(2)
+    array([1.33, 1.33, 1.33, 0.67, 0.67, 0.67, 0.67, 0.67], dtype=float32)
     """
     if not mask.any():
         raise ValueError(f"mask: expected some features (True), got an empty mask of shape {mask.shape}")
@@ -98,7 +97,7 @@ def feature_scale(
     if share > WORTH_A_WARNING:
         ctx.warn(
             f"{share:.0%} of the scales lay outside [1/8, 8] and were clamped before smoothing: "
-            "a larger window or form 'bounded' keeps more of them"
+            "a larger window keeps more of them"
         )
     result: Array = np.clip(clamped, SMALLEST, LARGEST).astype(np.float32)
     return result

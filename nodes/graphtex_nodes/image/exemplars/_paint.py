@@ -124,7 +124,8 @@ def visible_centres(plane: Plane, points: Array) -> Array:
     if plane.steepness:
         kept &= 1 + plane.steepness * plane.centre_scale * plane.foreshortening * points[:, 1] > 0
     centres: Array = np.stack([x[kept], y[kept]], axis=1)
-    return centres[np.lexsort((centres[:, 0], centres[:, 1]))]
+    # rows of a regular pattern must not be shuffled by rounding
+    return centres[np.lexsort((centres[:, 0], centres[:, 1].round(6)))]
 
 
 def lay(

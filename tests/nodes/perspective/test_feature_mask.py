@@ -1,0 +1,111 @@
+import numpy as np
+import pytest
+
+from graphtex_nodes.perspective.feature_mask import feature_mask, principal_channel
+
+
+def grating(channels=1, period=16, width=3, size=64):
+    """Bright vertical lines on dark ground; the lines' middle columns."""
+    columns = np.arange(size)
+    middles = columns[period // 2 :: period]
+    line = np.clip(width / 2 + 0.5 - np.abs(columns[:, None] - middles).min(axis=1), 0, 1)
+    image = np.broadcast_to(line[None, :, None], (size, size, channels))
+    return np.ascontiguousarray(image, np.float32), middles
+
+
+@pytest.mark.parametrize("channels", [1, 2, 3, 7])
+def test_ridges_find_the_middle_of_lines(channels):
+    """One column of features for each bright line, at its middle, whatever the number of channels."""
+    image, middles = grating(channels)
+    mask = feature_mask(image, method="ridges", sigma=1.5, threshold=3.0, polarity="bright")
+    np.testing.assert_array_equal(np.flatnonzero(mask[20]), middles)
+
+
+def test_dark_ridges_are_the_bright_ones_of_the_negative():
+    image, _ = grating()
+    bright = feature_mask(image, method="ridges", sigma=1.5, polarity="bright")
+    np.testing.assert_array_equal(feature_mask(1 - image, method="ridges", sigma=1.5, polarity="dark"), bright)
+
+
+def test_canny_finds_both_sides():
+    image, middles = grating(width=6)
+    found = np.flatnonzero(feature_mask(image, method="canny")[32])
+    assert len(found) == 2 * len(middles)
+    assert np.abs(np.abs(found[:, None] - middles).min(axis=1) - 3).max() <= 1
+
+
+def test_contrast_outlines_what_stands_out():
+    """A disc's outline, one pixel wide: as many pixels as its circumference, about."""
+    y, x = np.mgrid[:64, :64] - 32
+    image = (np.hypot(x, y) < 8)[..., None].astype(np.float32)
+    mask = feature_mask(image, method="contrast", polarity="bright")
+    assert np.abs(np.hypot(x, y)[mask] - 7.5).max() < 1.5
+    assert 0.8 * 2 * np.pi * 8 < mask.sum() < 1.2 * 2 * np.pi * 8
+    dark = feature_mask(1 - image, method="contrast", polarity="dark")
+    np.testing.assert_array_equal(dark, mask)
+
+
+@pytest.mark.parametrize("method", ["canny", "ridges", "contrast"])
+def test_features_are_thin(method):
+    """No 3 x 3 block is all features, as a filled region would be."""
+    image = np.random.default_rng(0).random((48, 48, 3), np.float32).cumsum(0).cumsum(1)
+    image = (image % 5 / 5).astype(np.float32)
+    mask = feature_mask(image, method=method)
+    assert mask.any()
+    blocks = np.lib.stride_tricks.sliding_window_view(mask, (3, 3)).all(axis=(2, 3))
+    assert blocks.mean() < 0.01
+
+
+@pytest.mark.parametrize("method", ["canny", "ridges", "contrast"])
+def test_contrast_and_brightness_do_not_matter(method):
+    image = np.random.default_rng(1).random((40, 40, 1), np.float32)
+    np.testing.assert_array_equal(feature_mask(image, method=method), feature_mask(image * 0.25 + 0.5, method=method))
+
+
+def test_equally_bright_colours_are_told_apart():
+    """Red squares on green of the same mean: the grey picture is flat, the principal channel is not."""
+    image = np.zeros((48, 48, 3), np.float32)
+    image[..., 1] = 0.6
+    image[16:32, 16:32] = (0.6, 0.0, 0.0)
+    assert image.mean(axis=2).std() < 1e-6
+    mask = feature_mask(image, method="canny")
+    assert mask[14:18].any()
+    assert not mask[20:28, 20:28].any()
+
+
+def test_principal_channel_of_one_channel_is_that_channel_less_its_mean():
+    image = np.random.default_rng(2).random((5, 4, 1), np.float32)
+    np.testing.assert_allclose(principal_channel(image), image[..., 0] - image.mean(), atol=1e-6)
+
+
+def test_brighter_is_larger():
+    image = np.random.default_rng(3).random((20, 20, 1), np.float32) * np.array([0.2, 0.9, 0.4], np.float32)
+    assert np.corrcoef(principal_channel(image).ravel(), image.mean(axis=2).ravel())[0, 1] > 0.999
+
+
+def test_higher_threshold_finds_less():
+    image = np.random.default_rng(4).random((48, 48, 1), np.float32)
+    found = [feature_mask(image, threshold=threshold).sum() for threshold in (0.5, 2.0, 4.0)]
+    assert found[0] > found[1] > found[2]
+
+
+def test_flat_picture_has_none():
+    with pytest.warns(UserWarning, match="flat"):
+        assert not feature_mask(np.full((8, 8, 3), 0.5, np.float32)).any()
+
+
+def test_nothing_strong_enough():
+    with pytest.warns(UserWarning, match="lower threshold"):
+        assert not feature_mask(grating()[0], threshold=1e6).any()
+
+
+@pytest.mark.parametrize("polarity", ["bright", "dark"])
+def test_canny_has_no_polarity(polarity):
+    with pytest.raises(ValueError, match="polarity: method canny"):
+        feature_mask(grating()[0], method="canny", polarity=polarity)
+
+
+@pytest.mark.parametrize("wrong", [{"method": "sobel"}, {"sigma": 0.0}, {"threshold": 0.0}, {"polarity": "grey"}])
+def test_refuses(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        feature_mask(grating()[0], **wrong)
