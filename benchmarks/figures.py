@@ -45,7 +45,7 @@ class Figure:
 
 def table(figures: Iterable[Figure]) -> str:
     """Return figures as a table of text."""
-    rows = [("figure", "value", "bound", "", "reference", "ratio")]
+    rows: list[tuple[str, ...]] = [("figure", "value", "bound", "", "reference", "ratio")]
     for figure in figures:
         state = {True: "ok", False: "MISSED", None: ""}[figure.ok]
         numbers = ("" if x is None else f"{x:.4g}" for x in (figure.reference, figure.ratio))

@@ -36,6 +36,7 @@ def test_public_names_are_there():
 
 def test_nodes_import_lightly():
     """All nodes load without the heavy libraries: they are imported where they are needed."""
-    code = "import sys, graphtex_nodes; print([m for m in ('numba', 'scipy', 'skimage', 'OpenImageIO', 'PIL') if m in sys.modules])"
+    heavy = ("numba", "scipy", "skimage", "OpenImageIO", "PIL", "tifffile")
+    code = f"import sys, graphtex_nodes; print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
