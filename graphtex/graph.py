@@ -104,7 +104,9 @@ class NodeHandle:
         self._outputs = outputs
 
     def __getattr__(self, socket: str) -> SocketHandle:
-        if socket.startswith("_") or socket not in self._outputs:
+        if socket.startswith("_"):  # asked for by copy and pickle, before there is anything
+            raise AttributeError(socket)
+        if socket not in self._outputs:
             raise AttributeError(
                 f"{self._name} has no output {socket!r}{did_you_mean(socket, self._outputs, label='outputs')}"
             )

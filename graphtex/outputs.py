@@ -1,7 +1,6 @@
 """Writes a run's outputs to files: each whole or not at all."""
 
-import os
-import tempfile
+import uuid
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from graphtex.handlers import DEFAULT_SUFFIX, find_writer
 from graphtex.parameters import validate
 from graphtex.plan import PlannedOutput
 from graphtex.run import RunResult
-from graphtex.sockets import Gap, ValueType
+from graphtex.sockets import Gap
 
 
 class OutputError(GraphtexError):
@@ -56,18 +55,15 @@ def _numbered(file: str, items: list[Any]) -> Iterator[tuple[str, Any]]:
 
 def write_value(output: PlannedOutput, value: Any, path: Path) -> Path:
     """Write one value to one file by way of a temporary one."""
-    writer = find_writer(ValueType(output.type.base).base, path.suffix)
+    writer = find_writer(output.type.base, path.suffix)
     options, problems = validate(writer.options, output.options)
     if options is None:
         raise OutputError(f"{output.name}: {problems[0][1]}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=f".{path.stem}-", dir=path.parent)
-        os.close(handle)
-        scratch = Path(name)
+        scratch = path.parent / f".{path.stem[:40]}-{uuid.uuid4().hex}{path.suffix}"
         try:
             writer.function(value, scratch, **{key: getattr(options, key) for key in type(options).model_fields})
-            _take_permissions(scratch)
             scratch.replace(path)
         finally:
             scratch.unlink(missing_ok=True)
@@ -75,10 +71,3 @@ def write_value(output: PlannedOutput, value: Any, path: Path) -> Path:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise OutputError(f"{path}: {reason}") from error
     return path
-
-
-def _take_permissions(path: Path) -> None:
-    """Give a temporary file, which only its owner may read, the permissions that new files get."""
-    mask = os.umask(0)
-    os.umask(mask)
-    path.chmod(0o666 & ~mask)

@@ -60,7 +60,7 @@ class Task:
     seed: int = 0
     spawn_key: tuple[int, ...] = ()
     cell: str = ""
-    place: Problem = _NOWHERE
+    place: Problem = field(default=_NOWHERE, compare=False)
 
     @cached_property
     def slots(self) -> tuple[Slot, ...]:
