@@ -2,13 +2,12 @@
 
 from graphtex_nodes.image import save as _save  # noqa: F401 (registers the writers)
 from graphtex_nodes.image import views as _views  # noqa: F401 (registers the views)
-from graphtex_nodes.image.contact_sheet import contact_sheet, side_by_side
+from graphtex_nodes.image.contact_sheet import contact_sheet
 from graphtex_nodes.image.convert import (
     grey,
     image_from_displacement,
     image_from_labels,
     image_from_mask,
-    image_from_scale,
     image_from_source,
     mask_from_image,
     pick_channels,
@@ -47,7 +46,6 @@ __all__ = [
     "image_from_displacement",
     "image_from_labels",
     "image_from_mask",
-    "image_from_scale",
     "image_from_source",
     "load_displacement",
     "load_elements",
@@ -68,7 +66,6 @@ __all__ = [
     "sand",
     "scale_from_angles",
     "select_map",
-    "side_by_side",
     "split_maps",
     "stack_maps",
     "view_scale",

@@ -1,4 +1,4 @@
-"""Several pictures on one sheet: ContactSheet in rows and columns, SideBySide in one row."""
+"""Several pictures on one sheet."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -77,30 +77,6 @@ def contact_sheet(
             raise ValueError(f"{name}: expected {count}, got {len(given)}")
     style = Style(padding, background, align, font_size)
     return lay_out(images, columns, labels or [], column_labels or [], row_labels or [], style)
-
-
-@node
-def side_by_side(
-    images: list[Image | Gap],
-    *,
-    labels: Labels = None,
-    padding: Padding = 8,
-    background: Background = (1.0, 1.0, 1.0),
-    align: Align = "centre",
-    font_size: FontSize = 14,
-) -> Image:
-    """Lay pictures out in one row; everything else as `contact_sheet`.
-
-    Raises
-    ------
-    ValueError
-        Without any picture, or if there are not as many labels as pictures.
-    """
-    if not images:
-        raise ValueError("images: expected at least one, got an empty list")
-    if labels is not None and len(labels) != len(images):
-        raise ValueError(f"labels: expected {len(images)}, got {len(labels)}")
-    return lay_out(images, len(images), labels or [], [], [], Style(padding, background, align, font_size))
 
 
 @dataclass(frozen=True)

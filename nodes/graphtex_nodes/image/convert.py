@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from graphtex import Displacement, Image, LabelMap, Mask, ScaleMap, SourceMap, node
+from graphtex import Displacement, Image, LabelMap, Mask, SourceMap, node
 from graphtex_nodes.image import views
 from graphtex_nodes.image.files.colour import decode_srgb, encode_srgb
 
@@ -108,12 +108,6 @@ def mask_from_image(
 def image_from_mask(mask: Mask) -> Image:
     """Make a grey picture of a mask: True is 1, False is 0."""
     return mask[..., None].astype(np.float32)
-
-
-@node
-def image_from_scale(scale: ScaleMap) -> Image:
-    """Picture of a scale map for looking at: grey 128/255 where it is 1, white from 1.99 on."""
-    return _floats(views.view_scale(scale)[..., :1])
 
 
 @node

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex import (
+    Directions,
     Displacement,
     Elements,
     Image,
@@ -15,6 +16,8 @@ from graphtex import (
     ScaleMap,
     SourceMap,
     Texture,
+    Vector,
+    Views,
     ViewStack,
     view,
 )
@@ -25,6 +28,7 @@ Bytes = NDArray[np.uint8]
 _CANVAS = 480  # the longer side of drawings that have no picture below them
 _RADIUS = 3
 _DOT = (214, 39, 40)
+_BLUE = (31, 119, 180)
 _EMPTY = np.full((1, 1, 3), 128, np.uint8)  # values without a pixel
 
 
@@ -107,7 +111,7 @@ def view_elements(value: Elements) -> Bytes:
     turn = np.radians(value.angles)
     tips = moved + (spread * value.scales / largest)[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     for start, end in zip(moved.tolist(), tips.tolist(), strict=True):
-        draw.line([*start, *end], fill=(31, 119, 180), width=2)
+        draw.line([*start, *end], fill=_BLUE, width=2)
     return _dots(np.array(picture), moved)
 
 
@@ -124,7 +128,13 @@ def view_texture(value: Texture) -> Bytes:
 @view(ViewStack)
 def view_stack(value: ViewStack) -> Bytes:
     """Show all views, about as many to a row as rows, in order."""
-    pictures = [view_image(one)[..., :3] for one in value.views]
+    return view_views(value.views)
+
+
+@view(Views)
+def view_views(value: NDArray[np.float32]) -> Bytes:
+    """Show all pictures, about as many to a row as rows, in order."""
+    pictures = [view_image(one)[..., :3] for one in value]
     if not pictures:
         return _EMPTY
     across = int(np.ceil(np.sqrt(len(pictures))))
@@ -132,6 +142,34 @@ def view_stack(value: ViewStack) -> Bytes:
     pictures += [blank] * (-len(pictures) % across)
     rows = [_side_by_side(pictures[i : i + across]) for i in range(0, len(pictures), across)]
     return np.concatenate(_with_gaps(rows, axis=0), axis=0)
+
+
+@view(Directions)
+def view_directions(value: NDArray[np.float64]) -> Bytes:
+    """Show the half sphere from above, its rim slant 90, tilt 0 upwards: viewing red, lighting blue."""
+    side, reach = 193, 88.0
+    row, column = np.mgrid[:side, :side] - side // 2
+    picture = np.where(((row**2 + column**2) <= reach**2)[..., None], np.uint8(255), np.uint8(225)).repeat(3, axis=2)
+    for column_of_slant, colour in ((2, _BLUE), (0, _DOT)):
+        radius = reach * value[:, column_of_slant] / 90
+        tilt = np.radians(value[:, column_of_slant + 1])
+        for x, y in zip(radius * np.sin(tilt), -radius * np.cos(tilt), strict=True):
+            picture[(column - x) ** 2 + (row - y) ** 2 <= _RADIUS**2] = colour
+    return picture
+
+
+@view(Vector)
+def view_vector(value: NDArray[np.float64]) -> Bytes:
+    """Show the numbers as bars from zero, in order; of more than 480 every so many are left out."""
+    shown = value[:: -(-len(value) // _CANVAS) or 1]
+    if not len(shown):
+        return _EMPTY
+    low, high = min(0.0, float(shown.min())), max(0.0, float(shown.max()))
+    height, width = 96, max(1, _CANVAS // len(shown))
+    ends = np.rint((np.stack([shown, np.zeros_like(shown)]) - low) / ((high - low) or 1.0) * (height - 1))
+    level = np.arange(height - 1, -1, -1)[:, None]
+    inside = (level >= ends.min(axis=0)) & (level <= ends.max(axis=0))
+    return np.where(inside.repeat(width, axis=1)[..., None], np.array(_BLUE, np.uint8), np.uint8(255))
 
 
 def _bytes(value: NDArray[Any]) -> Bytes:

@@ -4,10 +4,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graphtex import Gap
-from graphtex_nodes.image.contact_sheet import _font, _one_line, _shorten, _wrap, contact_sheet, flatten, side_by_side
+from graphtex_nodes.image.contact_sheet import _font, _one_line, _shorten, _wrap, contact_sheet, flatten
 from tests.nodes.image.files import noise
 
 WHITE = (1.0, 1.0, 1.0)
+
+
+def side_by_side(images, **style):
+    """All pictures in one row."""
+    return contact_sheet(images, columns=max(1, len(images)), **style)
 
 
 def test_places_by_hand():

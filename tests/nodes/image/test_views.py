@@ -107,11 +107,31 @@ def test_stack_is_about_square():
 
 
 def test_pictures_of_maps_are_their_views():
-    scale = np.full((2, 2), 1.0, np.float32)
-    np.testing.assert_allclose(convert.image_from_scale(scale), np.full((2, 2, 1), 128 / 255), rtol=1e-6)
     for make, name in (
         (convert.image_from_labels, "LabelMap"),
         (convert.image_from_displacement, "Displacement"),
         (convert.image_from_source, "SourceMap"),
     ):
         np.testing.assert_array_equal(np.rint(make(SAMPLES[name]) * 255), VIEWS[name](SAMPLES[name]))
+
+
+def test_directions_are_seen_from_above():
+    """Straight up is the middle; slant 90, tilt 90 is the right end of the rim."""
+    picture = views.view_directions(np.array([[0.0, 0.0, 90.0, 90.0]]))
+    assert picture[96, 96].tolist() == [214, 39, 40]
+    assert picture[96, 96 + 88].tolist() == [31, 119, 180]
+    assert picture[96, 96 - 88].tolist() == [255, 255, 255]
+
+
+def test_bars_stand_on_zero():
+    picture = views.view_vector(np.array([1.0, -1.0]))
+    blue = (picture == (31, 119, 180)).all(axis=2)
+    assert blue[:40, 0].all()
+    assert not blue[60:, 0].any()
+    assert blue[60:, -1].all()
+    assert not blue[:40, -1].any()
+
+
+@pytest.mark.parametrize("count", [0, 1, 5000])
+def test_bars_of_any_number(count: int):
+    assert views.view_vector(np.ones(count)).shape[2] == 3
