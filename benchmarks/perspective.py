@@ -9,7 +9,7 @@ from scipy.stats import spearmanr
 
 import graphtex as gt
 from benchmarks.figures import Figure
-from graphtex.graph import Output
+from graphtex.document import Output
 from graphtex_nodes import (
     bricks,
     contact_sheet,

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from graphtex.context import QUIET, Context, Rng
     from graphtex.errors import Cancelled, DeclarationError, GraphError, GraphtexError, NodeFailed, Problem
-    from graphtex.files import load, loads
-    from graphtex.graph import Graph
+    from graphtex.graph import Graph, load, loads
     from graphtex.handlers import opener, view, writer
     from graphtex.node import Node, node
     from graphtex.parameters import FilePath
@@ -84,8 +83,7 @@ __all__ = [
 _HOMES = {
     "graphtex.context": "QUIET Context Rng",
     "graphtex.errors": "Cancelled DeclarationError GraphError GraphtexError NodeFailed Problem",
-    "graphtex.files": "load loads",
-    "graphtex.graph": "Graph",
+    "graphtex.graph": "Graph load loads",
     "graphtex.handlers": "opener view writer",
     "graphtex.node": "Node node",
     "graphtex.parameters": "FilePath",

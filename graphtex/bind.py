@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from graphtex.check import check_links
+from graphtex.document import REQUIRED, Document
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.expand import Expander, Scope
-from graphtex.graph import REQUIRED, Graph
 from graphtex.inputs import check_seed
 from graphtex.links import Links
 from graphtex.plan import Plan
@@ -15,7 +15,7 @@ from graphtex.values import Bound, Scalar, Values
 
 
 def bind(
-    graph: Graph, inputs: Mapping[str, Any] | None = None, *, seed: int | None = None, base: Path | None = None
+    graph: Document, inputs: Mapping[str, Any] | None = None, *, seed: int | None = None, base: Path | None = None
 ) -> Plan:
     """Check a graph, bind its inputs and expand it.
 
@@ -49,7 +49,7 @@ def bind(
     return Plan(graph, values.tasks, values.given, outputs)
 
 
-def _seed(graph: Graph, seed: int | None) -> tuple[int, list[Problem]]:
+def _seed(graph: Document, seed: int | None) -> tuple[int, list[Problem]]:
     if seed is None:
         return graph.seed, []
     try:
@@ -59,7 +59,7 @@ def _seed(graph: Graph, seed: int | None) -> tuple[int, list[Problem]]:
 
 
 def bind_inputs(
-    graph: Graph, values: Values, inputs: Mapping[str, Any], base: Path
+    graph: Document, values: Values, inputs: Mapping[str, Any], base: Path
 ) -> tuple[dict[str, Bound | Scalar], list[Problem]]:
     """Return what each input of the outermost graph is bound to, and all that is wrong with what was given."""
     problems = [

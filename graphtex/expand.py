@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from graphtex.document import Entry, Place
 from graphtex.errors import GraphError, Problem
-from graphtex.graph import Entry, Place
 from graphtex.inputs import check_seed
 from graphtex.links import Links, Signature
 from graphtex.node import Node

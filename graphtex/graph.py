@@ -1,85 +1,25 @@
-"""A graph: inputs, nodes and outputs, as data. The YAML file and the Python builder are two faces of it.
+"""The builder: graphs put together in Python, or loaded from files, saved and run.
 
-Arguments are kept in the form in which a file writes them: ``"mask"`` or ``"mask.edges"`` in a socket's place,
-``"$name"`` for a graph input, ``"$$"`` for a plain dollar, ``{"from": "node.socket"}`` for a measured number in a
-parameter's place, and plain data otherwise. What they mean is decided in one place, `graphtex.links`.
+The YAML file and the Python builder are two faces of one thing, the `graphtex.document.Document`.
 """
 
 import os
-import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from graphtex.document import NAME, REQUIRED, SCALAR_TYPES, Document, Entry, Input, Output, Place
 from graphtex.errors import GraphError, Problem, did_you_mean
+from graphtex.files import read, read_file, save
 from graphtex.node import Node
 from graphtex.parameters import plain
 from graphtex.sockets import TYPES, find_type
 
 if TYPE_CHECKING:
     from graphtex.run import RunResult
-
-Place = tuple[str | int, ...]
-FORMAT = 1
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
-SCALAR_TYPES = ("int", "float", "str", "bool", "file", "data")
-
-
-class _Required:
-    """The default of an input that has none."""
-
-    def __repr__(self) -> str:
-        return "REQUIRED"
-
-
-REQUIRED: Any = _Required()
-
-
-@dataclass(frozen=True)
-class Input:
-    """A graph input.
-
-    Attributes
-    ----------
-    type
-        A socket type (``Image``), ``int``, ``float``, ``str``, ``bool``, ``file`` (a path), ``data`` (any plain data),
-        or a list of one (``list[Image]``, ``list[int]``).
-    default
-        `REQUIRED`, a literal, or for socket types a path or ``scheme:name``.
-    min, max, choices
-        What a value may be; None means no bound.
-    """
-
-    type: str
-    default: Any = REQUIRED
-    min: float | None = None
-    max: float | None = None
-    choices: tuple[Any, ...] | None = None
-    description: str = ""
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A node of a graph: a `node` by its name or another `graph` by its file, with arguments in file form."""
-
-    node: str = ""
-    graph: str = ""
-    arguments: Mapping[str, Any] = field(default_factory=dict)
-    each: Mapping[str, Any] = field(default_factory=dict)
-    seed: Any = None
-    on_error: Literal["stop", "keep"] = "stop"
-
-
-@dataclass(frozen=True)
-class Output:
-    """What a run returns and writes: a reference, the file's name and options of its writer."""
-
-    source: str
-    file: str | None = None
-    options: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -116,44 +56,13 @@ class NodeHandle:
         return f"<{self._name}: {', '.join(self._outputs)}>"
 
 
-@dataclass
-class Graph:
+class Graph(Document):
     """A graph of nodes.
 
     >>> g = Graph(title="Copy", seed=7)
     >>> g.input("size", "int", default=3)
     InputHandle(name='size')
     """
-
-    title: str = ""
-    source: str = ""
-    seed: int = 0
-    description: str = ""
-    inputs: dict[str, Input] = field(default_factory=dict)
-    nodes: dict[str, Entry] = field(default_factory=dict)
-    outputs: dict[str, Output] = field(default_factory=dict)
-    file: Path | None = field(default=None, compare=False)  # where it was read from
-    places: Mapping[Place, tuple[int, int]] = field(
-        default_factory=dict, compare=False, repr=False
-    )  # line, column of values
-    key_places: Mapping[Place, tuple[int, int]] = field(default_factory=dict, compare=False, repr=False)
-    own_nodes: dict[str, Node[Any, Any]] = field(default_factory=dict, compare=False, repr=False)  # nodes of no pack
-
-    @property
-    def base(self) -> Path:
-        """The folder that relative paths start from: that of the file, or the current one."""
-        return self.file.parent if self.file else Path.cwd()
-
-    def problem(self, path: Place, message: str, *, key: bool = False) -> Problem:
-        """Return a problem at the nearest place of `path` that is known; `key` means the key, not its value."""
-        shown = ".".join(str(part) for part in path)
-        tables = (self.key_places, self.places) if key else (self.places, self.key_places)
-        for length in range(len(path), -1, -1):
-            for table in tables if length == len(path) else (self.key_places, self.places):
-                if path[:length] in table:
-                    line, column = table[path[:length]]
-                    return Problem(str(self.file or ""), line, column, shown, message)
-        return Problem(str(self.file or ""), 0, 0, shown, message)
 
     def input(self, name: str, type: Any, default: Any = REQUIRED, **bounds: Any) -> InputHandle:
         """Add a graph input; `type` is a socket type, a Python type or the name of one. Bounds as in `Input`.
@@ -230,8 +139,6 @@ class Graph:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the graph as a YAML file."""
-        from graphtex.files import save
-
         save(self, path)
 
     def run(self, **inputs: Any) -> "RunResult":
@@ -245,6 +152,27 @@ class Graph:
             raise GraphError([self.problem(path, f"a name is letters, digits, _ and -, got {name!r}")])
         if name in taken:
             raise GraphError([self.problem(path, f"the name {name!r} is taken")])
+
+
+def load(path: str | os.PathLike[str]) -> Graph:
+    """Return the graph of a file; GraphError with all that is wrong, in form and in meaning."""
+    return _checked(*read_file(path))
+
+
+def loads(text: str) -> Graph:
+    """Return the graph that a text holds; GraphError with all that is wrong, in form and in meaning."""
+    return _checked(*read(text))
+
+
+def _checked(document: Document | None, problems: list[Problem]) -> Graph:
+    from graphtex.check import check  # it needs networkx, which readers of files do not
+
+    if document is not None:
+        told = {(p.file, p.line, p.column) for p in problems}  # what follows from those is left out
+        problems = problems + [p for p in check(document) if not p.line or (p.file, p.line, p.column) not in told]
+    if document is None or problems:
+        raise GraphError(problems)
+    return Graph(**vars(document))
 
 
 def _type_name(type: Any) -> str:

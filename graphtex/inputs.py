@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from graphtex.document import SCALAR_TYPES, Input
 from graphtex.errors import did_you_mean
-from graphtex.graph import SCALAR_TYPES, Input
 from graphtex.handlers import find_opener, suffixes_of
 from graphtex.parameters import plain, shorten
 from graphtex.sockets import TYPES, ValueType, parse_type

@@ -12,8 +12,8 @@ from typing import Any
 import networkx as nx
 from pydantic import BaseModel
 
+from graphtex.document import REQUIRED, Document, Entry, Input, Place
 from graphtex.errors import GraphError, Problem, did_you_mean
-from graphtex.graph import REQUIRED, Entry, Graph, Input, Place
 from graphtex.node import Node, Socket
 from graphtex.packs import registry
 from graphtex.parameters import shorten
@@ -41,7 +41,7 @@ class Signature:
     inner: "Links | None" = None
 
     @property
-    def graph(self) -> Graph | None:
+    def graph(self) -> Document | None:
         """The sub-graph; None for a node."""
         return self.inner.graph if self.inner else None
 
@@ -64,7 +64,7 @@ class Links:
         The links of files that are included anywhere, shared by all links of one root.
     """
 
-    def __init__(self, graph: Graph, chain: tuple[Path, ...] = (), files: "dict[Path, Links] | None" = None) -> None:
+    def __init__(self, graph: Document, chain: tuple[Path, ...] = (), files: "dict[Path, Links] | None" = None) -> None:
         self.graph = graph
         self.chain = (*chain, graph.file.resolve() if graph.file else Path())
         self._files = {} if files is None else files
@@ -245,7 +245,7 @@ def _parsed(kind: Input) -> ValueType:
 
 
 @lru_cache(maxsize=64)
-def _read(file: Path, mtime: int, size: int) -> tuple[Graph | None, list[Problem]]:
+def _read(file: Path, mtime: int, size: int) -> tuple[Document | None, list[Problem]]:
     from graphtex.files.disk import read_file
 
     return read_file(file)

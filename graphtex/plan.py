@@ -12,8 +12,8 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
+from graphtex.document import Document
 from graphtex.errors import Problem
-from graphtex.graph import Graph
 from graphtex.node import Node
 from graphtex.sockets import ValueType
 
@@ -96,7 +96,7 @@ class PlannedOutput:
 class Plan:
     """Tasks in a topological order, values that the caller gave, and outputs."""
 
-    graph: Graph
+    graph: Document
     tasks: Mapping[str, Task]
     given: Mapping[Slot, tuple[ValueType, Any]]
     outputs: Mapping[str, PlannedOutput]

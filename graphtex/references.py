@@ -6,8 +6,8 @@ Nothing is looked up here; `graphtex.links` says what a reference leads to.
 from dataclasses import dataclass
 from typing import Any
 
+from graphtex.document import SCALAR_TYPES, Document, Input, Place
 from graphtex.errors import GraphError
-from graphtex.graph import SCALAR_TYPES, Graph, Input, Place
 from graphtex.parameters import shorten
 
 
@@ -48,7 +48,7 @@ def is_scalar(kind: Input) -> bool:
     return kind.type.removeprefix("list[").removesuffix("]") in SCALAR_TYPES
 
 
-def reference(graph: Graph, path: Place, value: Any) -> Reference:
+def reference(graph: Document, path: Place, value: Any) -> Reference:
     """Read one reference; GraphError for anything else."""
     if not isinstance(value, str) or not value:
         wanted = "a reference: node, node.socket or $input"
@@ -59,7 +59,7 @@ def reference(graph: Graph, path: Place, value: Any) -> Reference:
     return FromNode(node, socket if dot else None)
 
 
-def socket_argument(graph: Graph, path: Place, value: Any) -> Reference | tuple[Reference, ...]:
+def socket_argument(graph: Document, path: Place, value: Any) -> Reference | tuple[Reference, ...]:
     """Read an argument in a socket's place: a reference or a list of them."""
     if isinstance(value, list):
         return tuple(reference(graph, (*path, i), item) for i, item in enumerate(value))
@@ -71,7 +71,7 @@ def is_input(value: Any) -> bool:
     return isinstance(value, str) and value.startswith("$") and not value.startswith("$$")
 
 
-def parameter_argument(graph: Graph, path: Place, value: Any) -> FromInput | Measured | Literal:
+def parameter_argument(graph: Document, path: Place, value: Any) -> FromInput | Measured | Literal:
     """Read an argument in a parameter's place."""
     if isinstance(value, dict) and set(value) == {"from"} and isinstance(value["from"], str):
         return Measured(reference(graph, (*path, "from"), value["from"]))
@@ -89,7 +89,7 @@ def unescaped(value: Any) -> Any:
     return value
 
 
-def range_argument(graph: Graph, path: Place, value: Any) -> FromInput | tuple[FromInput | Literal, ...]:
+def range_argument(graph: Document, path: Place, value: Any) -> FromInput | tuple[FromInput | Literal, ...]:
     """Read what an `each:` ranges over: an input that is a list, or a list of literals and inputs."""
     if is_input(value):
         return FromInput(value[1:])
@@ -102,7 +102,7 @@ def range_argument(graph: Graph, path: Place, value: Any) -> FromInput | tuple[F
     raise GraphError([graph.problem(path, f"expected {wanted}, got {shorten(value)}")])
 
 
-def references_of(graph: Graph, path: Place, value: Any, is_socket: bool) -> tuple[Reference, ...]:
+def references_of(graph: Document, path: Place, value: Any, is_socket: bool) -> tuple[Reference, ...]:
     """Return the references that an argument holds."""
     if is_socket:
         read = socket_argument(graph, path, value)

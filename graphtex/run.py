@@ -12,9 +12,9 @@ from graphtex import events
 from graphtex.bind import bind
 from graphtex.cache import Cache, CacheUnavailable, KeyParts
 from graphtex.cache import explain as explain_change
+from graphtex.document import Document
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.executors import Executor, make_executor
-from graphtex.graph import Graph
 from graphtex.plan import Plan, Task
 from graphtex.schedule import Emit, Finished, Report, schedule
 from graphtex.shipped import graph_identity
@@ -68,7 +68,7 @@ class RunResult(Mapping[str, Any]):
 
 
 def run(
-    graph: Graph,
+    graph: Document,
     inputs: Mapping[str, Any] | None = None,
     *,
     seed: int | None = None,

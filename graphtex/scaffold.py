@@ -19,7 +19,11 @@ def new_pack(name: str, folder: Path) -> list[Path]:
         If the name cannot be a package's, or the folder is there already; nothing is written then.
     """
     package = name.replace("-", "_")
-    if not re.fullmatch(r"[a-z][a-z0-9_-]*", name) or keyword.iskeyword(package) or package in ("graphtex", "graphtex_nodes"):
+    if (
+        not re.fullmatch(r"[a-z][a-z0-9_-]*", name)
+        or keyword.iskeyword(package)
+        or package in ("graphtex", "graphtex_nodes")
+    ):
         raise _refused(name, "a pack's name is lower-case letters, digits, - and _, and no name that is taken")
     target = folder / name
     if target.exists():
@@ -32,7 +36,10 @@ def new_pack(name: str, folder: Path) -> list[Path]:
         "posterize.yaml": "graphs/posterize.yaml",
         "test_posterize.py": "tests/test_posterize.py",
     }
-    return [_write(_TEMPLATES / "pack" / f"{key}.txt", target / place, name=name, package=package) for key, place in places.items()]
+    return [
+        _write(_TEMPLATES / "pack" / f"{key}.txt", target / place, name=name, package=package)
+        for key, place in places.items()
+    ]
 
 
 def new_graph(name: str, folder: Path) -> list[Path]:

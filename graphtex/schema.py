@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from graphtex import docstrings
-from graphtex.graph import FORMAT, NAME, SCALAR_TYPES
+from graphtex.document import FORMAT, NAME, SCALAR_TYPES
 from graphtex.handlers import WRITERS
 from graphtex.node import Node, Socket
 from graphtex.packs import registry

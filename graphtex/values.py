@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from graphtex.graph import Input
+from graphtex.document import Input
 from graphtex.handlers import find_opener
 from graphtex.inputs import check_scalar, expand_paths, is_list, split_type
 from graphtex.parameters import files_of, validate, with_files

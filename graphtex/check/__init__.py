@@ -7,13 +7,13 @@ import networkx as nx
 from graphtex.check.arguments import argument_problems
 from graphtex.check.ends import input_problems, output_problems
 from graphtex.check.ranges import range_problems
+from graphtex.document import Document, Place
 from graphtex.errors import GraphError, Problem
-from graphtex.graph import Graph, Place
 from graphtex.links import Links
 from graphtex.packs import registry
 
 
-def check(graph: Graph) -> list[Problem]:
+def check(graph: Document) -> list[Problem]:
     """Return all problems of a graph and of the graphs that it includes, in order of place."""
     return check_links(Links(graph))
 

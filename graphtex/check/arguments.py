@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from graphtex.check.values import accepted, dollars, reference_problems, scalar_default
+from graphtex.document import REQUIRED, Document, Entry, Place
 from graphtex.errors import GraphError, Problem, did_you_mean
-from graphtex.graph import REQUIRED, Entry, Graph, Place
 from graphtex.inputs import check_scalar
 from graphtex.links import Links, Signature
 from graphtex.parameters import validate
@@ -83,7 +83,7 @@ def _measured_problems(links: Links, place: Place, found: Measured, signature: S
     return [graph.problem(place, f"a parameter is fed by a Number, got {got}")]
 
 
-def _explained(graph: Graph, entry: Entry, where: tuple[str | int, ...], text: str) -> str:
+def _explained(graph: Document, entry: Entry, where: tuple[str | int, ...], text: str) -> str:
     got = entry.arguments.get(str(where[0]))
     if text == "a value is required":
         return f"{where[-1]}: {text}"
@@ -95,7 +95,7 @@ def _explained(graph: Graph, entry: Entry, where: tuple[str | int, ...], text: s
 
 
 def _subgraph_problems(
-    graph: Graph, path: Place, inner: Graph, values: Mapping[str, Any], later: set[str]
+    graph: Document, path: Place, inner: Document, values: Mapping[str, Any], later: set[str]
 ) -> list[Problem]:
     problems = []
     for key, value in values.items():
@@ -110,7 +110,7 @@ def _subgraph_problems(
 
 
 def _item_problems(
-    graph: Graph, path: Place, entry: Entry, signature: Signature, values: Mapping[str, Any], later: set[str]
+    graph: Document, path: Place, entry: Entry, signature: Signature, values: Mapping[str, Any], later: set[str]
 ) -> list[Problem]:
     """Check each item of a literal list that `each` ranges over as the argument that it becomes."""
     problems = []

@@ -4,8 +4,8 @@ import re
 from dataclasses import replace
 from pathlib import PurePosixPath
 
+from graphtex.document import REQUIRED, Document, Input, Output, Place
 from graphtex.errors import GraphError, Problem
-from graphtex.graph import REQUIRED, Graph, Input, Output, Place
 from graphtex.handlers import DEFAULT_SUFFIX, find_writer
 from graphtex.inputs import check_scalar, default_faults, split_type
 from graphtex.links import Links
@@ -13,7 +13,7 @@ from graphtex.parameters import validate
 from graphtex.references import is_scalar, reference
 
 
-def input_problems(graph: Graph) -> list[Problem]:
+def input_problems(graph: Document) -> list[Problem]:
     """Return what is wrong with the types, ranges, choices and defaults of a graph's inputs."""
     problems = []
     for name, kind in graph.inputs.items():
@@ -32,7 +32,7 @@ def input_problems(graph: Graph) -> list[Problem]:
     return problems
 
 
-def _bound_problems(graph: Graph, place: Place, kind: Input, inner: str) -> list[Problem]:
+def _bound_problems(graph: Document, place: Place, kind: Input, inner: str) -> list[Problem]:
     problems = []
     for key in ("min", "max"):
         if getattr(kind, key) is not None and inner not in ("int", "float", "data"):

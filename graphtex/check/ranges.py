@@ -3,8 +3,8 @@
 from typing import Any
 
 from graphtex.check.values import dollars, item_problem, reference_problems, scalar_input
+from graphtex.document import REQUIRED, Document, Entry, Place
 from graphtex.errors import GraphError, Problem, did_you_mean
-from graphtex.graph import REQUIRED, Entry, Graph, Place
 from graphtex.inputs import check_openable, check_seed
 from graphtex.links import Links, Signature
 from graphtex.parameters import shorten
@@ -69,7 +69,7 @@ def _openable_problems(links: Links, place: Place, items: list[Any], kind: Value
     return problems
 
 
-def _seed_problems(graph: Graph, place: Place, seed: Any) -> list[Problem]:
+def _seed_problems(graph: Document, place: Place, seed: Any) -> list[Problem]:
     if is_input(seed):
         try:
             kind = scalar_input(graph, place, FromInput(seed[1:]))

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
+from graphtex.document import Document, Input, Place
 from graphtex.errors import GraphError, Problem, did_you_mean
-from graphtex.graph import Graph, Input, Place
 from graphtex.inputs import split_type
 from graphtex.links import Links, Signature
 from graphtex.parameters import JSON_TYPES, json_types
@@ -40,7 +40,7 @@ def reference_problems(links: Links, path: Place, value: Any, wanted: ValueType)
     return [links.graph.problem(path, f"expected {wanted}, got {got}{hint}")]
 
 
-def scalar_input(graph: Graph, path: Place, source: FromInput) -> Input:
+def scalar_input(graph: Document, path: Place, source: FromInput) -> Input:
     """Return the graph input that feeds a parameter; GraphError if there is none or it is no scalar."""
     kind = graph.inputs.get(source.name)
     if kind is None:
@@ -53,7 +53,7 @@ def scalar_input(graph: Graph, path: Place, source: FromInput) -> Input:
     return kind
 
 
-def scalar_default(graph: Graph, path: Place, source: FromInput, signature: Signature, key: str) -> Any:
+def scalar_default(graph: Document, path: Place, source: FromInput, signature: Signature, key: str) -> Any:
     """Return the default of the input that feeds a parameter; GraphError if their types do not fit."""
     kind = scalar_input(graph, path, source)
     wanted = accepted(signature, key)
@@ -63,7 +63,7 @@ def scalar_default(graph: Graph, path: Place, source: FromInput, signature: Sign
     return kind.default
 
 
-def item_problem(graph: Graph, place: Place, source: FromInput, signature: Signature, key: str) -> list[Problem]:
+def item_problem(graph: Document, place: Place, source: FromInput, signature: Signature, key: str) -> list[Problem]:
     """Tell if a list input, ranged over by `each`, does not fit an argument."""
     kind = graph.inputs.get(source.name)
     if kind is None:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 from graphtex.errors import GraphError, Problem, did_you_mean
 
 if TYPE_CHECKING:
-    from graphtex.graph import Graph, Input
+    from graphtex.document import Document, Input
+    from graphtex.graph import Graph
 
 _PAIR = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*=")
 
@@ -41,7 +42,7 @@ def spread(words: Sequence[str]) -> list[str]:
 _VALUED = ("--set", "--out", "--seed", "--only", "--executor", "--workers", "--cache", "--report")
 
 
-def given_inputs(graph: "Graph", pairs: Sequence[str]) -> dict[str, Any]:
+def given_inputs(graph: "Document", pairs: Sequence[str]) -> dict[str, Any]:
     """Return the inputs that ``name=value`` texts give, each read as its input's type; GraphError with all faults."""
     from graphtex.inputs import read_text
 
@@ -84,7 +85,7 @@ def _at_home(kind: "Input", text: str) -> str:
 
 def read_graph(name: str) -> "Graph":
     """Return a checked graph by its file or shipped name; GraphError with all that is wrong."""
-    from graphtex.files import load
+    from graphtex.graph import load
     from graphtex.shipped import find_graph
 
     return load(find_graph(name))

@@ -7,7 +7,7 @@ from graphtex.cli.terminal import DONE, WRONG, complain, count, out, say
 from graphtex.errors import GraphError, Problem
 
 if TYPE_CHECKING:
-    from graphtex.graph import Graph
+    from graphtex.document import Document
 
 
 def check(first: str, /, *more: str) -> int:
@@ -49,7 +49,7 @@ def _files(name: str) -> list[str]:
 
 def _problems(name: str) -> tuple[Problem, ...]:
     from graphtex.bind import bind
-    from graphtex.files import load
+    from graphtex.graph import load
     from graphtex.shipped import find_graph
 
     try:
@@ -61,7 +61,7 @@ def _problems(name: str) -> tuple[Problem, ...]:
     return ()
 
 
-def _is_complete(graph: "Graph") -> bool:
-    from graphtex.graph import REQUIRED
+def _is_complete(graph: "Document") -> bool:
+    from graphtex.document import REQUIRED
 
     return all(kind.default is not REQUIRED for kind in graph.inputs.values())

@@ -101,14 +101,3 @@ def told(event: events.Event) -> str:
         case events.Stopped(task) if task:
             return f"{task}: stopped"
     return ""
-
-
-def make_display(quiet: bool) -> Display:
-    """Return the display that fits stderr."""
-    if quiet:
-        return Display()
-    if sys.stderr.isatty():
-        from graphtex.cli.live import LiveDisplay
-
-        return LiveDisplay()
-    return PlainDisplay()

@@ -9,7 +9,7 @@ from graphtex.cli.terminal import DONE, count, out, print_json, say, table
 
 if TYPE_CHECKING:
     from graphtex.cache import Cache, Change, KeyParts
-    from graphtex.graph import Graph
+    from graphtex.document import Document
     from graphtex.keys import Forecast
     from graphtex.plan import Plan
 
@@ -91,7 +91,7 @@ def _deciders(plan: "Plan", told: "Mapping[str, Forecast]", task: str) -> tuple[
     return tuple(found)
 
 
-def plan_of(graph: "Graph", values: Mapping[str, Any], seed: int | None, only: Sequence[str] = ()) -> "Plan":
+def plan_of(graph: "Document", values: Mapping[str, Any], seed: int | None, only: Sequence[str] = ()) -> "Plan":
     """Return what a run would do; GraphError if the request is wrong."""
     from graphtex.bind import bind
     from graphtex.run import restrict
@@ -107,7 +107,7 @@ def cache_of(choice: Path | bool) -> "Cache | None":
 
 
 def dry_run(
-    graph: "Graph",
+    graph: "Document",
     values: Mapping[str, Any],
     *,
     seed: int | None,

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from graphtex.cli.display import Display
     from graphtex.cli.tally import Tally
-    from graphtex.graph import Graph
+    from graphtex.document import Document
     from graphtex.run import RunResult
 
 Set = Annotated[list[str] | None, Parameter(name="--set", negative=())]
@@ -110,7 +110,7 @@ def _check_options(cache: Path | None, no_cache: bool, seed: int | None) -> None
         raise GraphError(problems)
 
 
-def default_folder(graph: "Graph") -> Path:
+def default_folder(graph: "Document") -> Path:
     """Return where outputs go if nothing is said: ``graphtex-out/`` and the shipped name or the file's name."""
     from graphtex.shipped import graph_identity
 
@@ -122,7 +122,7 @@ def default_folder(graph: "Graph") -> Path:
 class Job:
     """A run as it was asked for; see `run`."""
 
-    graph: "Graph"
+    graph: "Document"
     folder: Path
     values: Mapping[str, Any] = field(default_factory=dict)
     seed: int | None = None
@@ -137,7 +137,7 @@ class Job:
 
 def carry_out(job: Job) -> int:
     """Run a graph with a display, write what it made, and return the exit status."""
-    from graphtex.cli.display import make_display
+    from graphtex.cli.displays import make_display
     from graphtex.cli.interrupt import Interrupts
 
     _check_folder(job.folder, "--out")

@@ -1,9 +1,8 @@
 """Graph files: strict YAML in, canonical YAML out."""
 
 from graphtex.files.disk import read_file, save
-from graphtex.files.loading import load, loads
 from graphtex.files.reader import read
 from graphtex.files.writer import dumps
 from graphtex.files.yamltree import read_scalar
 
-__all__ = ["dumps", "load", "loads", "read", "read_file", "read_scalar", "save"]
+__all__ = ["dumps", "read", "read_file", "read_scalar", "save"]

@@ -5,17 +5,17 @@ import os
 import tempfile
 from pathlib import Path
 
+from graphtex.document import Document
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.files.reader import read
 from graphtex.files.writer import dumps
 from graphtex.files.yamltree import BULK_HINT, MAX_SIZE
-from graphtex.graph import Graph
 
 _FOREIGN = ((codecs.BOM_UTF32_LE, "UTF-32"), (codecs.BOM_UTF32_BE, "UTF-32"), (codecs.BOM_UTF16_LE, "UTF-16"),
             (codecs.BOM_UTF16_BE, "UTF-16"))  # fmt: skip
 
 
-def read_file(path: str | os.PathLike[str]) -> tuple[Graph | None, list[Problem]]:
+def read_file(path: str | os.PathLike[str]) -> tuple[Document | None, list[Problem]]:
     """Read a graph file as `read` reads its text; a file that cannot be read is a problem too.
 
     UTF-8 with or without a byte order mark; at most `MAX_SIZE` bytes.
@@ -73,7 +73,7 @@ def _neighbour(file: Path) -> str:
     return hint if "did you mean" in hint else ""
 
 
-def save(graph: Graph, path: str | os.PathLike[str]) -> None:
+def save(graph: Document, path: str | os.PathLike[str]) -> None:
     """Write a graph file; a reader sees the old file or the new one, never a part.
 
     Raises

@@ -8,7 +8,7 @@ what a step moves are lost; an error there is reported at the nearest place that
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from graphtex.graph import FORMAT
+from graphtex.document import FORMAT
 
 Document = dict[str, Any]
 Step = Callable[[Document], Document]

@@ -10,10 +10,10 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from graphtex.document import FORMAT, NAME, REQUIRED, Document, Entry, Input, Output, Place
 from graphtex.errors import Problem, did_you_mean
 from graphtex.files.migrations import STEPS, Step, bring_up
 from graphtex.files.yamltree import Tree, described, parse
-from graphtex.graph import FORMAT, NAME, REQUIRED, Entry, Graph, Input, Output, Place
 from graphtex.node import RESERVED
 
 DOCUMENT = ("graphtex", "title", "source", "description", "seed", "inputs", "nodes", "outputs")
@@ -27,7 +27,7 @@ SECTIONS = {
 
 def read(
     text: str, file: Path | None = None, *, steps: Mapping[int, Step] = STEPS
-) -> tuple[Graph | None, list[Problem]]:
+) -> tuple[Document | None, list[Problem]]:
     """Read a graph file's text.
 
     Parameters
@@ -58,14 +58,14 @@ class _Reader:
     """Reads one document; collects problems."""
 
     def __init__(self, tree: Tree, file: Path | None, steps: Mapping[int, Step]) -> None:
-        self.graph = Graph(file=file, places=tree.places, key_places=tree.key_places)
+        self.graph = Document(file=file, places=tree.places, key_places=tree.key_places)
         self.steps = steps
         self.problems: list[Problem] = []
 
     def say(self, path: Place, message: str, *, key: bool = False) -> None:
         self.problems.append(self.graph.problem(path, message, key=key))
 
-    def document(self, data: Any) -> Graph | None:
+    def document(self, data: Any) -> Document | None:
         if not isinstance(data, dict):
             got = "an empty file" if data is None else described(data)
             self.say(

@@ -9,11 +9,11 @@ import re
 from collections.abc import Mapping, Set
 from typing import Any
 
+from graphtex.document import FORMAT, REQUIRED, Document, Entry, Input, Output
 from graphtex.errors import GraphError, Problem
 from graphtex.files.reader import read
 from graphtex.files.scalars import MAX_DIGITS
 from graphtex.files.yamltree import MAX_DEPTH, MAX_KEY
-from graphtex.graph import FORMAT, REQUIRED, Entry, Graph, Input, Output
 from graphtex.node import RESERVED
 from graphtex.parameters import shorten
 
@@ -23,7 +23,7 @@ _FLOW_MARKS = re.compile(r"[,?\[\]{}]")
 _ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 
-def dumps(graph: Graph) -> str:
+def dumps(graph: Document) -> str:
     """Return a graph as the text of a graph file; `graphtex.files.read` gives the same graph back.
 
     Raises
@@ -39,7 +39,7 @@ def dumps(graph: Graph) -> str:
     return text
 
 
-def _render(graph: Graph) -> str:
+def _render(graph: Document) -> str:
     head: dict[str, Any] = {"graphtex": FORMAT, "title": graph.title, "source": graph.source}
     head |= {"description": graph.description, "seed": graph.seed}
     document = {key: value for key, value in head.items() if value != "" and (key, value) != ("seed", 0)}

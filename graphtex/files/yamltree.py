@@ -13,10 +13,10 @@ from typing import Any
 
 import yaml
 
+from graphtex.document import Place
 from graphtex.errors import Problem
 from graphtex.files.scalars import resolve
 from graphtex.files.syntax import explain
-from graphtex.graph import Place
 
 MAX_DEPTH = 50
 MAX_KEY = 100  # characters; the writer's longest escape makes this fit YAML's limit of 1024 for a key

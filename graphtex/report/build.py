@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from graphtex.graph import REQUIRED
+from graphtex.document import REQUIRED
 from graphtex.outputs import OutputError
 from graphtex.plan import PlannedOutput
 from graphtex.references import is_scalar

@@ -8,7 +8,7 @@ from pathlib import PurePath
 from typing import Any
 
 from graphtex.cache import CacheUnavailable, EntryLost
-from graphtex.graph import Graph
+from graphtex.document import Document
 from graphtex.links import Links
 from graphtex.plan import Slot, Task
 from graphtex.references import FromNode, reference, unescaped
@@ -45,7 +45,7 @@ class Story:
     result: RunResult
 
     @property
-    def graph(self) -> Graph:
+    def graph(self) -> Document:
         """The graph that ran."""
         return self.result.plan.graph
 

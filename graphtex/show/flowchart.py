@@ -2,7 +2,7 @@
 
 import re
 
-from graphtex.graph import SCALAR_TYPES, Graph
+from graphtex.document import SCALAR_TYPES, Document
 from graphtex.show.scene import Box, Link, scene
 from graphtex.show.style import colours_of
 
@@ -11,7 +11,7 @@ _SAFE = re.compile(r"[^\w \u0080-\U0010ffff.,()×=+/-]")
 _CLASSES = "classDef each stroke-width:3px", "classDef port stroke-dasharray:2 2"
 
 
-def mermaid(graph: Graph) -> str:
+def mermaid(graph: Document) -> str:
     """Return a flowchart of a graph; GraphError with all its problems if the graph is faulty.
 
     Links carry the names of their ports and the colour of their type; measured numbers are dotted, sub-graphs have

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Sequence
 
-from graphtex.graph import REQUIRED, Graph, Input
+from graphtex.document import REQUIRED, Document, Input
 from graphtex.links import Links
 from graphtex.references import reference
 from graphtex.show.paint import svg
@@ -38,7 +38,7 @@ th{{font-weight:600;color:var(--dim);white-space:nowrap}} td{{min-width:4rem}} t
 """
 
 
-def html(graph: Graph) -> str:
+def html(graph: Document) -> str:
     """Return a page in one file: the drawing, the description, tables of inputs and outputs.
 
     Raises
@@ -68,7 +68,7 @@ def page(title: str, body: str, *, style: str = "", script: str = "") -> str:
     )
 
 
-def heading(graph: Graph) -> str:
+def heading(graph: Document) -> str:
     """Return a graph's title, source and description."""
     title = graph.title or (graph.file.stem if graph.file else "A graph")
     parts = [f"<h1>{escape(title)}</h1>"]

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from graphtex.graph import SCALAR_TYPES, Graph
+from graphtex.document import SCALAR_TYPES, Document
 from graphtex.show.boxes import SMALL, Body, body_of
 from graphtex.show.layout import Layout, Placed, Route, layout
 from graphtex.show.scene import Link, Mark, Scene, scene
@@ -34,7 +34,7 @@ _FONTS = (
 )
 
 
-def svg(graph: Graph, *, marks: Mapping[str, Mark] | None = None) -> str:
+def svg(graph: Document, *, marks: Mapping[str, Mark] | None = None) -> str:
     """Draw a graph.
 
     Parameters

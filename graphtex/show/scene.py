@@ -6,8 +6,8 @@ from pathlib import PurePath
 from typing import Any, Literal
 
 from graphtex.check import check_links
+from graphtex.document import REQUIRED, Document, Entry, Input
 from graphtex.errors import GraphError
-from graphtex.graph import REQUIRED, Entry, Graph, Input
 from graphtex.links import Links, Signature
 from graphtex.parameters import plain
 from graphtex.references import FromInput, Reference, is_scalar, range_argument, reference, references_of, unescaped
@@ -83,7 +83,7 @@ class Scene:
     links: tuple[Link, ...]
 
 
-def scene(graph: Graph) -> Scene:
+def scene(graph: Document) -> Scene:
     """Return what is to be drawn; GraphError with all its problems if the graph is faulty."""
     links = Links(graph)
     problems = check_links(links)
@@ -192,7 +192,7 @@ def _arguments(entry: Entry) -> Iterator[tuple[str, Any, bool]]:
         yield "seed", entry.seed, False
 
 
-def _references(graph: Graph, key: str, value: Any, ranged: bool, is_socket: bool) -> tuple[Reference, ...]:
+def _references(graph: Document, key: str, value: Any, ranged: bool, is_socket: bool) -> tuple[Reference, ...]:
     if not ranged:
         return references_of(graph, (key,), value, is_socket)
     items = range_argument(graph, (key,), value)  # literals, or inputs, or both
@@ -229,7 +229,7 @@ def _seen(kind: ValueType, entry: Entry) -> ValueType:
     return ValueType(kind.base, many=True) if entry.each else kind
 
 
-def _stack(graph: Graph, entry: Entry) -> str:
+def _stack(graph: Document, entry: Entry) -> str:
     sizes = []
     for value in entry.each.values():
         items = graph.inputs[value[1:]].default if isinstance(value, str) else value

@@ -8,7 +8,8 @@ import pytest
 
 from graphtex import Graph, GraphError
 from graphtex.bind import bind
-from graphtex.files import loads, read_file
+from graphtex.files import read_file
+from graphtex.graph import loads
 from graphtex.plan import Slot
 from tests.graphtex import (
     pack,

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from graphtex.check import check
 from graphtex.errors import GraphError
-from graphtex.files import dumps, load, loads, read
+from graphtex.files import dumps, read
+from graphtex.graph import load, loads
 from tests.graphtex.test_schema import RIGHT, SHIPPED
 from tests.graphtex.test_wrong_files import INNER
 

@@ -9,8 +9,9 @@ import pytest
 
 from graphtex import Elements, Graph, GraphError, Image, node
 from graphtex.bind import bind
-from graphtex.files import dumps, load, loads
-from graphtex.graph import REQUIRED, Entry, Input, InputHandle, Output, SocketHandle
+from graphtex.document import REQUIRED, Entry, Input, Output
+from graphtex.files import dumps
+from graphtex.graph import InputHandle, SocketHandle, load, loads
 from tests.graphtex import tiny
 
 pytestmark = pytest.mark.usefixtures("tiny_nodes")

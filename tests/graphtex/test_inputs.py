@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from graphtex.graph import Input
+from graphtex.document import Input
 from graphtex.inputs import check_scalar, check_seed, default_faults, expand_paths, read_text, split_type
 from tests.graphtex import pack  # noqa: F401 (registers what opens .tex files)
 

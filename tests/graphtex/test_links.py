@@ -4,8 +4,8 @@
 import pytest
 
 from graphtex import Graph, GraphError
-from graphtex.files import load
-from graphtex.graph import Entry, Input, Output
+from graphtex.document import Entry, Input, Output
+from graphtex.graph import load
 from graphtex.links import Links
 from graphtex.references import (
     FromInput,

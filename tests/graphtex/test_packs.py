@@ -10,7 +10,7 @@ import pytest
 
 from graphtex import DeclarationError, Graph
 from graphtex.check import check
-from graphtex.graph import Entry
+from graphtex.document import Entry
 from graphtex.packs import GROUP, Registry, load_packs, nodes_of
 from tests.graphtex import pack, tiny
 

@@ -9,7 +9,7 @@ import pytest
 
 from graphtex.check import check
 from graphtex.errors import GraphError
-from graphtex.files import load
+from graphtex.graph import load
 from graphtex.scaffold import new_graph, new_pack
 
 

@@ -4,8 +4,8 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from graphtex.files import loads
 from graphtex.files.yamltree import parse
+from graphtex.graph import loads
 from graphtex.node import RESERVED
 from graphtex.packs import registry
 from graphtex.parameters import json_types

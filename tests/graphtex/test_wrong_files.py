@@ -9,7 +9,7 @@ import re
 import pytest
 
 from graphtex.errors import GraphError
-from graphtex.files import load
+from graphtex.graph import load
 
 MARK = "‸"
 HEAD = "graphtex: 1\n"

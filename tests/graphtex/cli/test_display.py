@@ -6,7 +6,8 @@ import pytest
 from rich.console import Console
 
 from graphtex import events
-from graphtex.cli.display import Display, PlainDisplay, make_display
+from graphtex.cli.display import Display, PlainDisplay
+from graphtex.cli.displays import make_display
 from graphtex.cli.live import MOST_LINES, LiveDisplay
 from graphtex.cli.tally import Tally
 from graphtex.cli.terminal import duration, size, table

@@ -3,9 +3,10 @@ import sys
 
 import pytest
 
+from graphtex.document import Entry
 from graphtex.errors import GraphError
-from graphtex.files import dumps, load, loads, read_file, read_scalar, save
-from graphtex.graph import Entry, Graph
+from graphtex.files import dumps, read_file, read_scalar, save
+from graphtex.graph import Graph, load, loads
 
 SMALL = "graphtex: 1\nnodes:\n  a: {node: X}\n"
 

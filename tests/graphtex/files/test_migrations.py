@@ -2,9 +2,9 @@
 
 import pytest
 
+from graphtex.document import FORMAT, Entry
 from graphtex.files import read
 from graphtex.files.migrations import STEPS, bring_up
-from graphtex.graph import FORMAT, Entry
 
 
 def rename_steps(document):

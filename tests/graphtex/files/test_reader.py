@@ -2,8 +2,9 @@ from pathlib import Path
 
 import pytest
 
+from graphtex.document import REQUIRED, Entry, Input, Output
 from graphtex.files import read
-from graphtex.graph import REQUIRED, Entry, Graph, Input, Output
+from graphtex.graph import Graph
 
 WHOLE = """\
 graphtex: 1

@@ -8,9 +8,9 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from graphtex.document import REQUIRED, SCALAR_TYPES, Document, Entry, Input, Output
 from graphtex.errors import GraphError
 from graphtex.files import dumps, read, read_file
-from graphtex.graph import REQUIRED, SCALAR_TYPES, Entry, Graph, Input, Output
 from graphtex.node import RESERVED
 
 CANONICAL = """\
@@ -58,11 +58,11 @@ def test_canonical_form():
 
 
 def test_smallest():
-    assert dumps(Graph(nodes={"a": Entry("X")})) == "graphtex: 1\nnodes:\n  a: {node: X}\n"
+    assert dumps(Document(nodes={"a": Entry("X")})) == "graphtex: 1\nnodes:\n  a: {node: X}\n"
 
 
 def test_lines_are_at_most_120_columns_unless_a_single_value_is_longer():
-    graph = Graph(nodes={f"n{i}": Entry("N", arguments={"items": list(range(10**i, 10**i + 30))}) for i in range(6)})
+    graph = Document(nodes={f"n{i}": Entry("N", arguments={"items": list(range(10**i, 10**i + 30))}) for i in range(6)})
     assert max(len(line) for line in dumps(graph).splitlines()) <= 120
 
 
@@ -93,14 +93,14 @@ def test_lines_are_at_most_120_columns_unless_a_single_value_is_longer():
     ],
 )
 def test_text_is_quoted_where_it_would_be_read_as_something_else(text, written):
-    graph = Graph(source=text, nodes={"a": Entry("X")})
+    graph = Document(source=text, nodes={"a": Entry("X")})
     expected = f"source: {written}\n" if text else ""
     assert dumps(graph) == f"graphtex: 1\n{expected}nodes:\n  a: {{node: X}}\n"
     assert read(dumps(graph)) == (graph, [])
 
 
 def test_text_with_brackets_is_quoted_inside_of_braces():
-    assert 'label: "a, b [c]?"' in dumps(Graph(nodes={"a": Entry("X", arguments={"label": "a, b [c]?"})}))
+    assert 'label: "a, b [c]?"' in dumps(Document(nodes={"a": Entry("X", arguments={"label": "a, b [c]?"})}))
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_text_with_brackets_is_quoted_inside_of_braces():
     ],
 )
 def test_numbers(number, written):
-    graph = Graph(nodes={"a": Entry("X", arguments={"value": number})})
+    graph = Document(nodes={"a": Entry("X", arguments={"value": number})})
     text = dumps(graph)
     assert f"value: {written}}}" in text
     again, _ = read(text)
@@ -138,7 +138,7 @@ def test_numbers(number, written):
 )
 def test_refuses_what_no_file_can_hold(entry, message):
     with pytest.raises(GraphError, match=re.escape(message)):
-        dumps(Graph(nodes={"a": entry}))
+        dumps(Document(nodes={"a": entry}))
 
 
 def test_refuses_what_is_too_deep():
@@ -146,20 +146,20 @@ def test_refuses_what_is_too_deep():
     for _ in range(60):
         value = [value]
     with pytest.raises(GraphError, match="nested deeper than 50 levels"):
-        dumps(Graph(nodes={"a": Entry("X", arguments={"a": value})}))
+        dumps(Document(nodes={"a": Entry("X", arguments={"a": value})}))
 
 
 def test_the_deepest_that_is_read_is_written():
     value = []
     for _ in range(46):  # and four levels above it: document, nodes, entry, argument
         value = [value]
-    graph = Graph(nodes={"a": Entry("X", arguments={"a": value})})
+    graph = Document(nodes={"a": Entry("X", arguments={"a": value})})
     assert read(dumps(graph)) == (graph, [])
 
 
 def test_refuses_names_that_are_none():
     with pytest.raises(GraphError, match="a name is letters, digits"):
-        dumps(Graph(nodes={"a b": Entry("X")}))
+        dumps(Document(nodes={"a b": Entry("X")}))
 
 
 NAMES = st.from_regex(r"[A-Za-z_][A-Za-z0-9_-]{0,12}", fullmatch=True)
@@ -191,7 +191,7 @@ ENTRIES = st.builds(Entry, SOME_TEXT, st.just(""), ARGUMENTS, ARGUMENTS, st.none
 ENTRIES |= st.builds(Entry, st.just(""), SOME_TEXT, ARGUMENTS, ARGUMENTS, st.none() | st.integers(0), WORDS)
 OUTPUTS = st.builds(Output, SOME_TEXT, st.none() | SOME_TEXT, ARGUMENTS)
 GRAPHS = st.builds(
-    Graph,
+    Document,
     title=TEXTS,
     source=TEXTS,
     seed=st.integers(0, 10**100),
@@ -218,7 +218,7 @@ def test_round_trip_is_exact(graph):
 @given(PLAIN)
 def test_other_readers_agree(value):
     """PyYAML, a reader of YAML 1.1, takes what is written for the same data."""
-    text = dumps(Graph(nodes={"a": Entry("X", arguments={"value": value})}))
+    text = dumps(Document(nodes={"a": Entry("X", arguments={"value": value})}))
     assert repr(yaml.safe_load(text)["nodes"]["a"].get("value")) == repr(value)
 
 
