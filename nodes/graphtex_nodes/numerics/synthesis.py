@@ -147,11 +147,14 @@ def synthesise(
     before: tuple[Field, Grid, int] | None = None
     for number, stage in enumerate(plan):
         at = stage.level
-        level = _open(problem, settings, stage, images[at], targets[at], importances[at], work)
+        margin = border(plan, at)
+        level = _open(problem, settings, stage, margin, images[at], targets[at], importances[at], work)
         if before is None:
             field = _start(level, targets[at] is not None, rng)
         else:
-            field = transfer(before[0], before[1], level.grid, 1 << (before[2] - at), level.features.shape[:2])
+            factor = 1 << (before[2] - at)
+            shift = factor * border(plan, before[2]) - margin
+            field = transfer(before[0], before[1], level.grid, factor, level.features.shape[:2], shift)
         match = _Match(field, np.ones(field.shape[:2], np.float32), 0.0, 0.0)
         _vote(level, match, 0.0, work)
         for iteration in range(stage.iterations):
@@ -173,16 +176,16 @@ def synthesise(
 
 
 def _open(
-    problem: Problem, settings: Settings, stage: Stage, exemplar: Array, target: Array | None, importance: Array,
-    work: Work,
+    problem: Problem, settings: Settings, stage: Stage, margin: int, exemplar: Array, target: Array | None,
+    importance: Array, work: Work,
 ) -> _Level:  # fmt: skip
     """Prepare a level: components of the exemplar's windows, and an empty canvas with the target in its guide."""
-    height, width = (level_size(side, stage.level) for side in problem.size)
+    height, width = (level_size(side, stage.level) + 2 * margin for side in problem.size)
     grid = Grid.covering(height, width, stage.window, max(1, stage.window // 4))
     colours, channels = problem.exemplar.shape[2], exemplar.shape[2]
     canvas = np.zeros((*grid.canvas, channels), np.float32)
     if target is not None:
-        more = ((0, grid.canvas[0] - height), (0, grid.canvas[1] - width))
+        more = ((margin, grid.canvas[0] - height + margin), (margin, grid.canvas[1] - width + margin))
         canvas[..., colours] = np.pad(target, more, mode="edge")
     groups = [(slice(0, colours), settings.detail)]
     if channels > colours:
@@ -250,15 +253,26 @@ def _vote(level: _Level, match: _Match, gain: float, work: Work) -> None:
     )  # fmt: skip
 
 
-def transfer(field: Field, old: Grid, new: Grid, factor: int, shape: tuple[int, ...]) -> Field:
+def border(plan: Sequence[Stage], level: int) -> int:
+    """Pixels that the canvas of a level reaches over the output on each side: its largest window; 0 on the finest.
+
+    A pixel at the output's border lies at the border of all its windows, so without this its sources would lie near the
+    same border of the exemplar. On coarse levels, where a window is half the exemplar, plain synthesis would then repeat
+    the exemplar's layout, and with it a trend of texel sizes that it should not know of.
+    """
+    return 0 if level == 0 else max(stage.window for stage in plan if stage.level == level)
+
+
+def transfer(field: Field, old: Grid, new: Grid, factor: int, shape: tuple[int, ...], shift: int = 0) -> Field:
     """The field of another grid over the same canvas, or over one ``factor`` times as fine.
 
+    The new canvas begins ``shift`` of its pixels inside the old one.
     Each new window takes the source of the old window with the nearest centre, shifted by the distance of their
     corners; sources are moved into ``shape``, rows and columns of the exemplar's windows.
     """
     places = []
     for count, size in ((new.rows, old.rows), (new.columns, old.columns)):
-        corner = np.arange(count) * new.step
+        corner = np.arange(count) * new.step + shift
         centre = (corner + new.window / 2) / factor - old.window / 2
         nearest = np.clip(np.rint(centre / old.step), 0, size - 1).astype(np.int64)
         places.append((nearest, corner - factor * nearest * old.step))
