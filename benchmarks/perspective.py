@@ -23,7 +23,7 @@ from graphtex_nodes.image.save import save_image
 from graphtex_nodes.numerics.measures import patch_distance, scale_slope, source_scale_correlation
 
 GRAPH = Path(__file__).parent.parent / "graphs" / "perspective" / "feature-mask.yaml"
-KINDS = {"pebbles": pebbles, "bricks": bricks, "flowers": flowers}
+KINDS: dict[str, Any] = {"pebbles": pebbles, "bricks": bricks, "flowers": flowers}
 POSES = [(30.0, 0.0), (45.0, 20.0), (50.0, -40.0), (60.0, 0.0)]
 SEED = 20
 
