@@ -32,6 +32,9 @@ class Held:
     in_memory: bool = True
     stored: bool = False
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _received, (self.type, self.value, self.digest, self.in_memory, self.stored)
+
     def dropped(self) -> "Held":
         """Return the same without what is in memory."""
         return Held(self.type, None, self.digest, in_memory=False, stored=self.stored)
@@ -46,6 +49,20 @@ class Held:
             return self.value
         assert cache is not None  # without a cache a value is in memory as long as somebody needs it
         return cache.get(str(self.type), self.digest)
+
+
+def _received(kind: ValueType, value: Any, digest: str, in_memory: bool, stored: bool) -> Held:
+    """Return what came from another process; arrays lose on the way that they are read-only."""
+    _protect(value)
+    return Held(kind, value, digest, in_memory, stored)
+
+
+def _protect(value: Any) -> None:
+    if isinstance(value, np.ndarray):
+        value.flags.writeable = False
+    elif isinstance(value, list | tuple):
+        for item in value:
+            _protect(item)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,4 @@
 """Binding: what inputs become, how `each:` and sub-graphs unfold, under which ids, and what is told where they do not."""
-# ruff: noqa: E501
 
 from pathlib import Path
 

@@ -1,5 +1,4 @@
 """The builder: what it writes down, what it refuses, and that files say the same."""
-# ruff: noqa: E501
 
 import copy
 from pathlib import Path

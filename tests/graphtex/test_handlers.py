@@ -1,5 +1,4 @@
 """Views, writers and openers: what may be registered, what is found, and what is told where nothing fits."""
-# ruff: noqa: E501
 
 from pathlib import Path
 from typing import Annotated

@@ -1,5 +1,4 @@
 """What references and entries lead to."""
-# ruff: noqa: E501
 
 import pytest
 

@@ -1,5 +1,4 @@
 """The decorator: what it makes of a signature, what it refuses, and direct calls on plain arrays."""
-# ruff: noqa: E501
 
 import copy
 import functools

@@ -1,5 +1,4 @@
 """Packs: a broken one is reported and the others stay; names that clash are told."""
-# ruff: noqa: E501
 
 import re
 import sys

@@ -1,5 +1,4 @@
 """Values of socket types: what is cast, what is refused and in which words, what comes out read-only."""
-# ruff: noqa: E501
 
 from typing import NamedTuple
 

@@ -16,7 +16,6 @@ HEAD = "graphtex: 1\n"
 NOISE = "  n: {node: Noise, width: 4}\n"  # gives an Image
 MASK = "  m: {node: Threshold, image: n}\n"  # gives a Mask
 
-# ruff: noqa: E501
 FORM = {
     "not a mapping": ("‸- node: Noise\n", "a graph file is a mapping that begins with `graphtex: 1`, got a list of 1"),
     "empty": ("‸", "got an empty file"),

@@ -146,7 +146,7 @@ def wait(image: Image | None = None, *, ctx: Context = QUIET) -> Image:
 def tracked(image: Image | None = None) -> Image:
     """Make a large picture whose life is watched."""
     CALLS.append(f"alive {sum(made() is not None for made in ALIVE)}")
-    made = np.zeros((64, 64, 1), np.float32)
+    made = np.full((64, 64, 1), 0 if image is None else image[0, 0, 0] + 1, np.float32)
     ALIVE.append(weakref.ref(made))
     return made
 
