@@ -24,7 +24,7 @@ def find_graph(name: str | Path) -> Path:
     path = Path(name)
     if path.is_file():
         return path
-    wanted = path.as_posix().removesuffix(path.suffix).removeprefix("graphs/")
+    wanted = path.as_posix().removesuffix(".yaml").removesuffix(".yml").removeprefix("graphs/")
     found = shipped_folder() / f"{wanted}.yaml"
     if not path.is_absolute() and found.is_file():
         return found

@@ -1,7 +1,6 @@
 """The scheduler: order, workers, tasks that wait for each other, and values that were lost."""
 
 import threading
-import time
 from concurrent.futures import Future
 
 import pytest
@@ -137,10 +136,8 @@ def test_a_failure_while_something_lost_is_made_again_ends_the_run(tmp_path):
 def test_a_failure_stops_what_runs_beside_it():
     nodes = "  w: {node: Wait}\n  f: {node: Fragile, image: one, value: 1, bad: 1}\n  one: {node: Const}\n"
     told = []
-    began = time.monotonic()
     with ThreadsExecutor(2) as executor:
         finished = schedule(plan_of(nodes, "w: w, f: f"), executor, emit=told.append)
-    assert time.monotonic() - began < 15  # `wait` would wait for 20 seconds
     assert finished.failure is not None
     assert events.Stopped("w") in told
     assert "w" not in finished.reports
