@@ -107,6 +107,7 @@ class _Run:
         self.ready: list[tuple[int, str]] = []  # heap of tasks whose inputs are there, by their place in the plan
         self.push(task for task, count in self.waiting.items() if count == 0)
         self.running: dict[Future[Outcome], str] = {}
+        self.lent: dict[str, dict[Slot, Held | Gap]] = {}  # what each running task was given
         self.in_flight: dict[str, list[str]] = {}  # key -> tasks that wait for the one that is making it
         self.blocked: dict[str, set[str]] = {}  # task -> tasks that it waits for as their stored outputs were lost
         self.forced: set[str] = set()  # tasks that must run though the digests of their outputs are known
@@ -205,13 +206,14 @@ class _Run:
             future = Future()
             future.set_exception(error)
         self.running[future] = task.id
+        self.lent[task.id] = {slot: self.finished.held[slot] for slot in task.slots}
 
     def collect(self, name: str, future: "Future[Outcome]") -> None:
         """Take what came of a call."""
-        task, report = self.plan.tasks[name], self.finished.reports[name]
+        task, report, lent = self.plan.tasks[name], self.finished.reports[name], self.lent.pop(name)
         error = future.exception()
         if isinstance(error, InputLost):
-            self.rerun_producers(task, error.slots)
+            self.rerun_producers(task, error.slots, lent)
         elif isinstance(error, Cancelled) and self.stopping:
             self.finished.reports.pop(name)
             self.emit(events.Stopped(name))
@@ -265,11 +267,18 @@ class _Run:
                 del self.blocked[task]
                 self.push([task])
 
-    def rerun_producers(self, task: Task, slots: tuple[Slot, ...]) -> None:
-        """Let the tasks run again whose stored outputs are gone or damaged, then this one."""
+    def rerun_producers(self, task: Task, slots: tuple[Slot, ...], lent: Mapping[Slot, Held | Gap]) -> None:
+        """Let the tasks run again whose stored outputs are gone or damaged, then this one.
+
+        What was made again since the task was started, because another task had lost it too, is only read again.
+        """
         self.push(self.in_flight.pop(self.finished.reports.pop(task.id).key, ()))
-        self.blocked[task.id] = {slot.task for slot in slots}
-        self.force(slots)
+        lost = tuple(slot for slot in slots if self.finished.held[slot] is lent[slot])
+        if not lost:
+            self.push([task.id])
+            return
+        self.blocked[task.id] = {slot.task for slot in lost}
+        self.force(lost)
 
     def force(self, slots: tuple[Slot, ...]) -> None:
         """Let the tasks that make some values run, whatever the cache says."""
