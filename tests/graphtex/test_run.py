@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from graphtex import Cancelled, Gap, Graph, GraphError, NodeFailed, events, run
-from graphtex.cache import Cache, EntryLost
+from graphtex.cache import Cache, CacheUnavailable, EntryLost
 from graphtex.executors import ThreadsExecutor
 from graphtex.graph import loads
 from tests.graphtex import (
@@ -340,6 +340,16 @@ def test_a_disk_that_is_full_is_told_once_and_the_run_goes_on(tmp_path):
     assert len(calls()) == 6
 
 
+def test_what_was_not_stored_is_not_recorded(tmp_path):
+    def unavailable(*args):
+        raise CacheUnavailable("no room")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Cache, "put", unavailable)
+        run(graph(CHAIN, XY), cache=tmp_path)
+    assert list(tmp_path.glob("index/??/*")) == []
+
+
 # --- failures
 
 
@@ -502,6 +512,13 @@ def test_values_that_nobody_reads_any_more_are_dropped(tmp_path, cached):
     assert calls() == ["alive 0", "alive 1", "alive 1", "alive 1", "alive 1"]
     assert [made() is not None for made in tiny.ALIVE] == [False] * 4 + [True]
     assert result["out"].shape == (64, 64, 1)
+
+
+@pytest.mark.parametrize("cached", [True, False])
+def test_an_output_that_nobody_reads_is_dropped_at_once(tmp_path, cached):
+    nodes = "  s: {node: Spares}\n  a: {node: Tracked, image: s.used}"
+    run(graph(nodes), cache=tmp_path if cached else False)
+    assert calls() == ["spares", "alive 1"]
 
 
 def test_all_values_are_kept_where_a_report_wants_them():

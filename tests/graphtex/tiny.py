@@ -23,6 +23,11 @@ class Halves(NamedTuple):
     high: Image
 
 
+class Spare(NamedTuple):
+    used: Image
+    spare: Image
+
+
 def picture(*values: float) -> np.ndarray:
     """One row of grey pixels."""
     return np.array(values, np.float32).reshape(1, -1, 1)
@@ -148,6 +153,15 @@ def tracked(image: Image | None = None) -> Image:
     CALLS.append(f"alive {sum(made() is not None for made in ALIVE)}")
     made = np.full((64, 64, 1), 0 if image is None else image[0, 0, 0] + 1, np.float32)
     ALIVE.append(weakref.ref(made))
+    return made
+
+
+@node
+def spares() -> Spare:
+    """Make two large pictures whose lives are watched."""
+    CALLS.append("spares")
+    made = Spare(np.zeros((64, 64, 1), np.float32), np.ones((64, 64, 1), np.float32))
+    ALIVE.extend(map(weakref.ref, made))
     return made
 
 
