@@ -34,7 +34,7 @@ SANS = "system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue',Arial,sans-se
 MONO = "ui-monospace,SFMono-Regular,Menlo,Consolas,'DejaVu Sans Mono',monospace"
 
 # Widths in em of the widest of the usual sans-serif fonts (those of DejaVu Sans and Verdana), rounded up.
-_NARROW = frozenset("fijlrtIJ.,:;'|!()[]/\\ -`")
+_NARROW = frozenset("fijlrtI.,:;'|!()[]/\\ -`")
 _WIDE = frozenset("mwMW%@")
 _BOLD = 1.13
 _MONO = 0.62
