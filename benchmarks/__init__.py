@@ -1,1 +1,1 @@
-"""Measured comparisons: ``python -m benchmarks [GROUP ...] [--json] [--pictures DIR]``, from a checkout."""
+"""Measured comparisons, from a checkout: ``python -m benchmarks [GROUP ...] [--json] [--pictures DIR]``."""

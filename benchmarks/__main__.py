@@ -8,7 +8,8 @@ from pathlib import Path
 
 from benchmarks.figures import Figure, table
 
-GROUPS = ("engine", "perspective")
+GROUPS = ("engine", "perspective", "plain")
+WITH_TEXTURES = {"plain"}  # groups that can measure the user's own pictures
 
 
 def main() -> int:
@@ -17,6 +18,7 @@ def main() -> int:
     parser.add_argument("groups", nargs="*", metavar="GROUP", help=f"one of {', '.join(GROUPS)}; all without it")
     parser.add_argument("--json", action="store_true", help="print a list of objects")
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="write the pictures that were measured")
+    parser.add_argument("--textures", type=Path, metavar="DIR", help="plain: measure the pictures of a folder instead")
     arguments = parser.parse_args()
     unknown = set(arguments.groups) - set(GROUPS)
     if unknown:
@@ -26,7 +28,8 @@ def main() -> int:
         module = importlib.import_module(f"benchmarks.{group}")
         if not arguments.json:
             print(f"{group}:", flush=True)
-        figures: list[Figure] = list(module.figures(arguments.pictures))
+        options = {"textures": arguments.textures} if group in WITH_TEXTURES else {}
+        figures: list[Figure] = list(module.figures(arguments.pictures, **options))
         found += figures
         if not arguments.json:
             print(table(figures), flush=True)
