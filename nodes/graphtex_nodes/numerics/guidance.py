@@ -9,12 +9,12 @@ BINS = 24
 
 
 def scale_factor(colours: Array, scale: Array, weight: float) -> float:
-    """Factor that makes the standard deviation of ``scale`` (h, w) ``weight`` times the total one of ``colours``.
+    """Factor that makes the standard deviation of ``scale`` ``weight`` times the total one of ``colours`` (..., c).
 
     0 when the scale is constant: it then says nothing.
     """
     spread = float(np.std(scale, dtype=np.float64))
-    total = float(np.sqrt(np.var(colours.reshape(-1, colours.shape[2]), axis=0, dtype=np.float64).sum()))
+    total = float(np.sqrt(np.var(colours.reshape(-1, colours.shape[-1]), axis=0, dtype=np.float64).sum()))
     if spread < 1e-6:
         return 0.0
     return weight * (total if total > 0 else 1.0) / spread
@@ -41,9 +41,10 @@ def missing_share(exemplar_scale: Array, target_scale: Array, tolerance: float =
 
 
 def importance(exemplar_scale: Array, target_scale: Array) -> Array:
-    """How much of each exemplar pixel the output wants, mean 1: the ratio of the densities of the two scales.
+    """How much of each exemplar pixel (...) the output wants, mean 1: the ratio of the densities of the two scales.
 
-    With it, "the exemplar's histogram" and "even use" mean those of an exemplar with the target's scales.
+    Any shapes: only the scales count. With it, "the exemplar's histogram" and "even use" mean those of an exemplar with
+    the target's scales.
     """
     low = float(np.log(exemplar_scale.min()))
     high = float(np.log(exemplar_scale.max()))

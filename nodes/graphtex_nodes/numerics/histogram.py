@@ -19,11 +19,15 @@ class Histograms:
     with B bins a channel and the gain lambda.
     """
 
-    def __init__(self, exemplar: Array, importance: Array) -> None:
-        """``exemplar`` (h, w, c), ``importance`` (h, w): how much of each pixel the output should hold, mean 1."""
+    def __init__(self, exemplar: Array, importance: Array, counted: NDArray[np.bool_] | slice = slice(None)) -> None:
+        """``exemplar`` (h, w, c), ``importance`` (h, w): how much of each pixel the output should hold, mean 1.
+
+        ``counted`` pixels (h, w) make the range of the bins; others should have importance 0.
+        """
+        seen = exemplar[counted].reshape(-1, exemplar.shape[2])
         flat = exemplar.reshape(-1, exemplar.shape[2])
-        self.low = flat.min(axis=0)
-        spread = flat.max(axis=0) - self.low
+        self.low = seen.min(axis=0)
+        spread = seen.max(axis=0) - self.low
         self.used = [c for c in range(flat.shape[1]) if spread[c] > 0]
         self.per_unit = np.where(spread > 0, BINS / np.where(spread > 0, spread, 1), 0).astype(np.float32)
         self.shape = exemplar.shape[:2]
@@ -36,12 +40,16 @@ class Histograms:
         bins: NDArray[np.intp] = np.clip(position.astype(np.intp), 0, BINS - 1)
         return bins
 
-    def pixel_weights(self, image: Array, gain: float) -> Array:
-        """Weight (h, w) of each pixel of the exemplar, 1 where its bins are not over-full in ``image``."""
+    def pixel_weights(self, image: Array, gain: float, counted: NDArray[np.bool_] | None = None) -> Array:
+        """Weight (h, w) of each pixel of the exemplar, 1 where its bins are not over-full in ``image``.
+
+        Of the image only the ``counted`` pixels (h, w) count; None = all.
+        """
+        image = image.reshape(-1, image.shape[2]) if counted is None else image[counted]
         surplus = np.ones(self.shape[0] * self.shape[1], np.float64)
         if gain > 0:
             for channel in self.used:
-                found = np.bincount(self._bin(image[:, :, channel].ravel(), channel), minlength=BINS)
+                found = np.bincount(self._bin(image[:, channel], channel), minlength=BINS)
                 share = found / found.sum()
                 wanted = self.wanted[channel]
                 excess = np.maximum(0, (share - wanted) / (wanted + 1 / (8 * BINS)))
@@ -49,13 +57,20 @@ class Histograms:
         return (1 / surplus).reshape(self.shape).astype(np.float32)
 
 
-def usage(field: NDArray[np.int32], shape: tuple[int, int], radius: int) -> Array:
+def usage(
+    field: NDArray[np.int32], shape: tuple[int, int], radius: int, allowed: NDArray[np.bool_] | None = None
+) -> Array:
     """How often each exemplar window is used, relative to the mean, averaged over a box of 2 radius + 1 windows.
 
-    ``field`` (rows, columns, 2) holds rows and columns below ``shape``.
+    ``field`` (..., 2) holds rows and columns below ``shape``. Of windows that are not ``allowed`` (h, w) none counts.
     """
     counts = np.bincount((field[..., 0] * shape[1] + field[..., 1]).ravel(), minlength=shape[0] * shape[1])
-    return box_mean(counts.reshape(shape).astype(np.float64) * (counts.size / counts.sum()), radius)
+    used = counts.reshape(shape) / max(1, counts.sum())
+    if allowed is None:
+        return box_mean(used * counts.size, radius)
+    around = box_mean(allowed.astype(np.float64), radius)
+    relative = box_mean(used * np.count_nonzero(allowed), radius) / np.where(around > 0, around, 1)
+    return relative.astype(np.float32)
 
 
 def box_mean(values: NDArray[np.float64], radius: int) -> Array:

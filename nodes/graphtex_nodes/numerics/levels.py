@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics.pyramid import level_size
+from graphtex_nodes.numerics.frames import whole_windows
+from graphtex_nodes.numerics.pyramid import level_size, masked_pyramid
 from graphtex_nodes.numerics.structure import dominant_period
 
 Array = NDArray[np.float32]
@@ -19,6 +20,11 @@ RESOLVED = 2.0
 """Pixels that a period needs on the coarsest level: below, copies meet out of step there, and stay so."""
 SMALLEST = 4
 """Least side that an exemplar may have on the coarsest level when the user asks for more levels."""
+
+FEW = 64
+"""Windows that a partly usable exemplar needs on a level: fewer would all be pasted over and over."""
+LEAST = 8
+"""Side below which windows of such an exemplar are not made smaller: they would see too little to arrange anything."""
 
 
 @dataclass(frozen=True)
@@ -70,3 +76,50 @@ def stages(shape: Sequence[int], levels: int, windows: Sequence[int], iterations
         count = min(max(12, iterations), iterations + 2 * level)
         result += [Stage(level, size, -(-count // len(sizes))) for size in sizes]
     return result
+
+
+def plan(
+    exemplar: Array, usable: NDArray[np.bool_] | None, levels: int, windows: Sequence[int], iterations: int
+) -> list[Stage]:
+    """The stages for an exemplar (h, w, c) and its usable pixels (None = all); no levels or windows: automatic ones.
+
+    Raises
+    ------
+    ValueError
+        If more levels are asked for than the exemplar allows.
+    """
+    most = most_levels(exemplar.shape)
+    if levels > most:
+        raise ValueError(f"levels: expected at most {most} for an exemplar of shape {exemplar.shape}, got {levels}")
+    result = stages(exemplar.shape, levels or automatic_levels(exemplar), windows or WINDOWS, iterations)
+    if usable is None:
+        return result
+    masks = masked_pyramid(usable.astype(np.float32), usable, result[0].level + 1)[1]
+    return fitting(result, masks)
+
+
+def fitting(stages: Sequence[Stage], usable: Sequence[NDArray[np.bool_]]) -> list[Stage]:
+    """Stages for an exemplar of which only some pixels are usable: ``usable`` masks of its levels, the finest first.
+
+    Windows are halved, but not below :data:`LEAST`, until :data:`FEW` of them hold usable pixels only; a stage where
+    fewer do is left out. If all are, what is left is one on the finest level with the largest window that fits once.
+    """
+    result: list[Stage] = []
+    for stage in stages:
+        window = stage.window
+        while window // 2 >= LEAST and _count(usable[stage.level], window) < FEW:
+            window //= 2
+        same = bool(result) and (result[-1].level, result[-1].window) == (stage.level, window)
+        if not same and _count(usable[stage.level], window) >= FEW:
+            result.append(Stage(stage.level, window, stage.iterations))
+    if not result or result[-1].level > 0:
+        window = stages[-1].window
+        while _count(usable[0], window) == 0:
+            window -= 1
+        result.append(Stage(0, window, stages[-1].iterations))
+    return result
+
+
+def _count(usable: NDArray[np.bool_], window: int) -> int:
+    """How many windows hold usable pixels only."""
+    return int(np.count_nonzero(whole_windows(usable, window)))

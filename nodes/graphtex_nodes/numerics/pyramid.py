@@ -62,3 +62,22 @@ def pyramid(image: NDArray[np.float32], levels: int) -> list[NDArray[np.float32]
     for _ in range(levels - 1):
         result.append(halve(result[-1]))
     return result
+
+
+def masked_pyramid(
+    image: NDArray[np.float32], mask: NDArray[np.bool_], levels: int
+) -> tuple[list[NDArray[np.float32]], list[NDArray[np.bool_]]]:
+    """Pyramid of the True pixels of a mask (h, w) alone, and on each level the pixels that are mostly made of them.
+
+    Values are means over the True pixels under the filter, 0 where there is none.
+    """
+    weight = mask.astype(np.float32)
+    sums = image * (weight if image.ndim == 2 else weight[..., None])
+    values: list[NDArray[np.float32]] = []
+    masks: list[NDArray[np.bool_]] = []
+    for weights, total in zip(pyramid(weight, levels), pyramid(sums, levels), strict=True):
+        divisor = np.where(weights > 0, weights, np.float32(1))
+        divisor = divisor if image.ndim == 2 else divisor[..., None]
+        values.append((total / divisor).astype(np.float32))
+        masks.append(weights > 0.5)
+    return values, masks

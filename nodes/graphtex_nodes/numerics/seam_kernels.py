@@ -28,6 +28,18 @@ def mismatch(exemplar, usable, first_y, first_x, second_y, second_x):
     return total
 
 
+@njit(inline="always", fastmath={"contract"})
+def apart(exemplar, usable, y, x, colour):
+    """Squared difference of an exemplar pixel from a colour; :data:`OUTSIDE` where it cannot be used."""
+    if y < 0 or y >= usable.shape[0] or x < 0 or x >= usable.shape[1] or not usable[y, x]:
+        return OUTSIDE
+    total = np.float32(0)
+    for c in range(exemplar.shape[2]):
+        difference = exemplar[y, x, c] - colour[c]
+        total += difference * difference
+    return total
+
+
 @kernel(
     "const f4[:,:,:], const u1[:,:], const f4[:,:,:], i4[:,:,:], f4, f4, i8, i8, i8",
     fastmath={"contract"},
@@ -38,12 +50,16 @@ def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop)
     The cost of a source is ``pull`` times its squared difference from ``image`` plus, for each neighbour of another
     piece, the squared colour differences of both pieces at both pixels (Kwatra et al. 2003, eq. 1) and ``join``.
     Neighbours have the other colour of the chequerboard: nothing that is read is written in the same pass.
+    A negative source marks a known pixel, which stays as ``image`` has it: beside it a piece pays for how its own
+    continuation differs there.
     """
     height, width = source.shape[0], source.shape[1]
     for y in range(first, stop):
         for x in range((y + parity) % 2, width, 2):
             here_y = source[y, x, 0]
             here_x = source[y, x, 1]
+            if here_y < 0:
+                continue
             whole = True
             for side in range(4):
                 down = (side == 0) - (side == 1)
@@ -64,6 +80,8 @@ def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop)
                     right = (choice == 3) - (choice == 4)
                     if y + down < 0 or y + down >= height or x + right < 0 or x + right >= width:
                         continue
+                    if source[y + down, x + right, 0] < 0:
+                        continue
                     cy = source[y + down, x + right, 0] - down
                     cx = source[y + down, x + right, 1] - right
                     if cy == here_y and cx == here_x:
@@ -81,6 +99,9 @@ def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop)
                         continue
                     ny = source[y + down, x + right, 0]
                     nx = source[y + down, x + right, 1]
+                    if ny < 0:
+                        cost += join + 2 * apart(exemplar, usable, cy + down, cx + right, image[y + down, x + right])
+                        continue
                     if ny == cy + down and nx == cx + right:
                         continue
                     cost += join + mismatch(exemplar, usable, cy, cx, ny - down, nx - right)
@@ -101,7 +122,8 @@ def fade_seams(exemplar, usable, source, falloff, image, first, stop):
     """Mix the pieces that meet near a pixel, each continued up to it; inside a piece the exemplar's pixel is copied.
 
     ``falloff`` (2 r + 1, 2 r + 1) are the weights of the pixels around. Unlike a blur, this keeps the detail of each
-    piece. Pieces that cannot be continued up to the pixel are left out. Only the channels of ``image`` are written.
+    piece. Pieces that cannot be continued up to the pixel are left out. Only the channels of ``image`` are written;
+    those of known pixels, whose source is negative, become 0.
     """
     height, width = source.shape[0], source.shape[1]
     radius = falloff.shape[0] // 2
@@ -114,8 +136,12 @@ def fade_seams(exemplar, usable, source, falloff, image, first, stop):
             mixed_pieces = False
             for c in range(channels):
                 image[y, x, c] = 0
+            if here_y < 0:
+                continue
             for down in range(-min(radius, y), min(radius, height - 1 - y) + 1):
                 for right in range(-min(radius, x), min(radius, width - 1 - x) + 1):
+                    if source[y + down, x + right, 0] < 0:
+                        continue
                     ey = source[y + down, x + right, 0] - down
                     ex = source[y + down, x + right, 1] - right
                     if ey < 0 or ey >= usable.shape[0] or ex < 0 or ex >= usable.shape[1] or not usable[ey, ex]:

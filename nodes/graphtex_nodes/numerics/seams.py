@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics import seam_kernels
+from graphtex_nodes.numerics import membrane, seam_kernels
 from graphtex_nodes.numerics.parallel import Work, for_rows
-from graphtex_nodes.numerics.synthesis import Problem, Result
+from graphtex_nodes.numerics.problem import Problem, Result
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
@@ -18,18 +18,36 @@ RADIUS = 2
 
 
 def finish(problem: Problem, result: Result, *, fade: bool, work: Work) -> tuple[Array, Field]:
-    """Image (h, w, c) and source (h, w, 2) of a synthesis: seams moved, and softened if ``fade``."""
-    exemplar = problem.exemplar if problem.guide is None else np.dstack([problem.exemplar, problem.guide])
-    usable = np.ones(exemplar.shape[:2], np.uint8)
-    channels = problem.exemplar.shape[2]
-    variance = float(np.var(problem.exemplar, axis=(0, 1), dtype=np.float64).sum())
-    join = JOIN * variance
-    source = move_seams(
-        exemplar, usable, result.image, result.source, pull=PULL, join=join, passes=PASSES, work=work
+    """Image (h, w, c) and source (h, w, 2) of a synthesis: seams moved, and softened if ``fade``.
+
+    Known pixels are those of the start and have negative sources; with ``fade`` pieces are bent to meet them.
+    """
+    exemplar = np.ascontiguousarray(problem.channels)
+    may = np.ones(exemplar.shape[:2], bool) if problem.usable is None else problem.usable
+    usable = np.ascontiguousarray(may).view(np.uint8)
+    variance = float(np.var(problem.exemplar[may], axis=0, dtype=np.float64).sum())
+    # an output that wraps around sees the other side as far as a seam can move
+    reach = [(2 * PASSES + 2 * RADIUS) * around for around in problem.wrap]
+    rows, columns = (
+        np.arange(-more, side + more) % side for side, more in zip(problem.size, reach, strict=True)
     )  # fmt: skip
-    if not fade:
-        return problem.exemplar[source[..., 0], source[..., 1]], source
-    return fade_seams(exemplar, usable, source, radius=RADIUS, channels=channels, work=work), source
+    around = np.ix_(rows, columns)
+    inside = tuple(slice(more, more + side) for side, more in zip(problem.size, reach, strict=True))
+    source = move_seams(
+        exemplar, usable, result.image[around], result.source[around], pull=PULL, join=JOIN * variance, passes=PASSES,
+        work=work,
+    )[inside]  # fmt: skip
+    if fade:
+        colours = problem.exemplar.shape[2]
+        image = fade_seams(exemplar, usable, source[around], radius=RADIUS, channels=colours, work=work)[inside]
+    else:
+        image = problem.exemplar[source[..., 0], source[..., 1]]
+    source, image = np.ascontiguousarray(source), np.ascontiguousarray(image)
+    if problem.known is not None and problem.start is not None:
+        image[problem.known] = problem.start[problem.known]
+        if fade:
+            image = membrane.join_known(image, source, problem.exemplar, may, problem.wrap, work)
+    return image, source
 
 
 def move_seams(
@@ -48,6 +66,9 @@ def move_seams(
         Cost of each pair of neighbouring pixels from different pieces, beside their colour differences.
     passes
         A seam moves at most two pixels in a pass.
+
+    Where ``source`` is negative, pixels are known: they stay, and pieces beside them pay for how their continuation
+    differs from ``image`` there.
     """
     source, image = source.copy(), np.ascontiguousarray(image)
     for _ in range(passes):
@@ -67,7 +88,7 @@ def fade_seams(
 ) -> Array:
     """Image (h, w, channels) of a source map in which pieces fade into each other over about ``radius`` pixels.
 
-    Pixels farther than ``radius`` from a seam are the exemplar's own.
+    Pixels farther than ``radius`` from a seam are the exemplar's own. Known pixels (negative source) are 0.
     """
     place = np.arange(-radius, radius + 1) / max(1, radius)
     line = np.exp(-2 * place**2)

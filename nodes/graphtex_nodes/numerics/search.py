@@ -8,6 +8,7 @@ from graphtex_nodes.numerics.parallel import Work, for_rows
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
+Flags = NDArray[np.bool_]
 
 EXACT_LIMIT = 1e8
 """Multiply-adds up to which a search over all windows is done instead of PatchMatch (about 0.05 s)."""
@@ -20,7 +21,9 @@ def exact_cost(windows: Array, exemplar: Array) -> float:
     return float(windows[..., 0].size) * exemplar.size
 
 
-def search_exact(windows: Array, exemplar: Array, charge: Array, work: Work) -> tuple[Field, Array]:
+def search_exact(
+    windows: Array, exemplar: Array, charge: Array, work: Work, wanted: Flags | None = None
+) -> tuple[Field, Array]:
     """Best exemplar window for each window, by brute force.
 
     Parameters
@@ -31,6 +34,8 @@ def search_exact(windows: Array, exemplar: Array, charge: Array, work: Work) -> 
         Coordinates (h, w, k) of the exemplar's windows.
     charge
         Added to the squared distance (h, w); infinite where a window must not be used.
+    wanted
+        Which windows look for a source (rows, columns); None = all. The costs of others are 0.
 
     Returns
     -------
@@ -42,18 +47,20 @@ def search_exact(windows: Array, exemplar: Array, charge: Array, work: Work) -> 
     stride = int(np.ceil(exact_cost(windows, exemplar) / LIST_LIMIT))
     places = np.ascontiguousarray(places[(stride - 1) // 2 :: stride])
     field = np.zeros((rows, columns, 2), np.int32)
-    costs = np.empty((rows, columns), np.float32)
+    costs = np.zeros((rows, columns), np.float32)
+    flags = _flags(wanted, costs)
 
     def band(first: int, stop: int) -> None:
-        search_kernels.search_listed(windows, exemplar, places, charge, field, costs, first, stop)
+        search_kernels.search_listed(windows, exemplar, places, charge, flags, field, costs, first, stop)
 
     for_rows(band, rows, columns * len(places) * windows.shape[2] / 2, work)
     return field, costs
 
 
 def search_warm(
-    windows: Array, exemplar: Array, charge: Array, field: Field, *, step: int, seed: int, passes: int, work: Work
-) -> tuple[Field, Array]:
+    windows: Array, exemplar: Array, charge: Array, field: Field, *, step: int, seed: int, passes: int, work: Work,
+    wanted: Flags | None = None,
+) -> tuple[Field, Array]:  # fmt: skip
     """PatchMatch (Barnes et al. 2009) from the given field; parameters as :func:`search_exact`.
 
     Departure: every window reads the field of the pass before (Jacobi) instead of its neighbours' new values, so the
@@ -61,7 +68,8 @@ def search_warm(
     that halve from pass to pass.
     """
     rows, columns = field.shape[:2]
-    costs = np.empty((rows, columns), np.float32)
+    costs = np.zeros((rows, columns), np.float32)
+    flags = _flags(wanted, costs)
     seeds = np.random.SeedSequence(seed).generate_state(passes, np.uint64)
     reach = max(exemplar.shape[:2])
     for number in range(passes):
@@ -77,8 +85,12 @@ def search_warm(
             jump: int = jump,
         ) -> None:
             search_kernels.search_near(
-                windows, exemplar, charge, before, after, costs, step, jump, reach, seed, first, stop
+                windows, exemplar, charge, flags, before, after, costs, step, jump, reach, seed, first, stop
             )
 
         for_rows(band, rows, columns * 20 * windows.shape[2], work)
     return field, costs
+
+
+def _flags(wanted: Flags | None, costs: Array) -> NDArray[np.uint8]:
+    return (np.ones(costs.shape, bool) if wanted is None else np.ascontiguousarray(wanted)).view(np.uint8)

@@ -27,17 +27,20 @@ def distance(first, second):
 
 
 @kernel(
-    "const f4[:,:,:], const f4[:,:,:], const i4[:,:], const f4[:,:], i4[:,:,:], f4[:,:], i8, i8",
+    "const f4[:,:,:], const f4[:,:,:], const i4[:,:], const f4[:,:], const u1[:,:], i4[:,:,:], f4[:,:], i8, i8",
     fastmath={"contract", "reassoc", "nsz"},
 )
-def search_listed(windows, exemplar, places, charge, field, costs, first, stop):
+def search_listed(windows, exemplar, places, charge, wanted, field, costs, first, stop):
     """Best of the listed exemplar windows for each window: brute force. The first of equals wins.
 
     ``windows`` (rows, columns, k) and ``exemplar`` (h, w, k) are coordinates, ``places`` (n, 2) rows and columns of the
-    exemplar, ``charge`` (h, w) is added to the squared distance. Written: ``field`` and ``costs``.
+    exemplar, ``charge`` (h, w) is added to the squared distance. Written: ``field`` and ``costs`` of the ``wanted``
+    windows (rows, columns).
     """
     for row in range(first, stop):
         for column in range(windows.shape[1]):
+            if not wanted[row, column]:
+                continue
             best = np.float32(np.inf)
             for index in range(places.shape[0]):
                 y = places[index, 0]
@@ -51,15 +54,17 @@ def search_listed(windows, exemplar, places, charge, field, costs, first, stop):
 
 
 @kernel(
-    "const f4[:,:,:], const f4[:,:,:], const f4[:,:], const i4[:,:,:], i4[:,:,:], f4[:,:], i8, i8, i8, u8, i8, i8",
+    "const f4[:,:,:], const f4[:,:,:], const f4[:,:], const u1[:,:], const i4[:,:,:], i4[:,:,:], f4[:,:], "
+    "i8, i8, i8, u8, i8, i8",
     fastmath={"contract", "reassoc", "nsz"},
 )
-def search_near(windows, exemplar, charge, before, field, costs, step, jump, reach, seed, first, stop):
+def search_near(windows, exemplar, charge, wanted, before, field, costs, step, jump, reach, seed, first, stop):
     """One pass of PatchMatch in Jacobi form: reads the field ``before``, writes ``field``; the order does not matter.
 
     Candidates are the window's own source, the sources of the eight windows ``jump`` grid places away, shifted back,
     and random places around the best, in squares whose half side falls from ``reach`` to 1. Random numbers are hashed
-    from the seed and the place. A window whose ``charge`` is infinite is never chosen.
+    from the seed and the place. A window whose ``charge`` is infinite is never chosen. Windows that are not ``wanted``
+    (rows, columns) keep their source.
     """
     height, width = exemplar.shape[0], exemplar.shape[1]
     rows, columns = before.shape[0], before.shape[1]
@@ -67,6 +72,10 @@ def search_near(windows, exemplar, charge, before, field, costs, step, jump, rea
         for column in range(columns):
             y = before[row, column, 0]
             x = before[row, column, 1]
+            field[row, column, 0] = y
+            field[row, column, 1] = x
+            if not wanted[row, column]:
+                continue
             window = windows[row, column]
             best = charge[y, x] + distance(window, exemplar[y, x])
             for down in range(-1, 2):

@@ -26,17 +26,24 @@ def replay(source: Array, exemplar: Array) -> Array:
 def coherence(source: NDArray) -> float:
     """Share of pairs of neighbouring pixels (right and down) whose sources (h, w, 2) are neighbours too.
 
-    1 for a single pixel, which has no neighbour.
+    Pairs with a negative source, a known pixel, do not count. 1 where there is no pair.
     """
     rows, columns = source[..., 0], source[..., 1]
     right = (rows[:, 1:] == rows[:, :-1]) & (columns[:, 1:] == columns[:, :-1] + 1)
     down = (rows[1:] == rows[:-1] + 1) & (columns[1:] == columns[:-1])
+    copied = rows >= 0
+    right = right[copied[:, 1:] & copied[:, :-1]]
+    down = down[copied[1:] & copied[:-1]]
     pairs = right.size + down.size
     return float((right.sum() + down.sum()) / pairs) if pairs else 1.0
 
 
-def coverage(source: NDArray, shape: tuple[int, int]) -> float:
-    """Share of the pixels of an exemplar of the given shape that occur in the sources (h, w, 2)."""
+def coverage(source: NDArray, shape: tuple[int, int], usable: NDArray[np.bool_] | None = None) -> float:
+    """Share of the usable pixels of an exemplar that occur in the sources (..., 2); negative ones do not count.
+
+    ``shape`` is the exemplar's; all its pixels are usable without a mask (h, w).
+    """
     used = np.zeros(shape, bool)
+    source = source[source[..., 0] >= 0]
     used[source[..., 0].astype(np.intp), source[..., 1].astype(np.intp)] = True
-    return float(used.mean())
+    return float(used.mean() if usable is None else used[usable].mean())

@@ -2,120 +2,62 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from graphtex_nodes.numerics.frames import Frame, nearest_places, whole_windows
 from graphtex_nodes.numerics.guidance import random_blocks
 from graphtex_nodes.numerics.histogram import Histograms, usage
 from graphtex_nodes.numerics.levels import Stage
 from graphtex_nodes.numerics.parallel import Work
-from graphtex_nodes.numerics.pyramid import level_size, pyramid
+from graphtex_nodes.numerics.problem import Array, Field, Flags, Problem, Result, Settings
+from graphtex_nodes.numerics.pyramid import masked_pyramid, pyramid
 from graphtex_nodes.numerics.search import EXACT_LIMIT, exact_cost, search_exact, search_warm
 from graphtex_nodes.numerics.voting import robust_weights, vote_mean, vote_source, window_falloff
-from graphtex_nodes.numerics.windows import Basis, Grid, principal_basis
+from graphtex_nodes.numerics.windows import Basis, principal_basis
 
-Array = NDArray[np.float32]
-Field = NDArray[np.int32]
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How to synthesise.
-
-    Attributes
-    ----------
-    exponent
-        Power r of a window's distance in the energy.
-    histogram
-        Gain of histogram matching, 0 = none.
-    evenness
-        What an exemplar window that is used twice as often as wanted is charged, in mean squared distances.
-    variance
-        Share of the windows' variance that principal components keep.
-    detail
-        How far components of colour are evened, 0 (not at all) to 1 (whitened).
-    passes
-        PatchMatch passes of an iteration.
-    falloff
-        How much the middle of a window weighs more than its border: exp(-falloff) at the middle of a side.
-    """
-
-    exponent: float = 0.8
-    histogram: float = 8.0
-    evenness: float = 1.0
-    variance: float = 0.95
-    detail: float = 0.3
-    passes: int = 2
-    falloff: float = 1.0
+FADING = 1.0
+"""Windows' sides over which the weight of what is not known yet falls to 1/e of that beside known pixels."""
+LEAST = 0.05
+"""Least such weight."""
 
 
 @dataclass(frozen=True)
-class Problem:
-    """What to synthesise.
-
-    Attributes
-    ----------
-    exemplar
-        Colours (h, w, c).
-    size
-        Height and width of the output.
-    guide
-        One more channel of the exemplar (h, w), already weighted, or None.
-    target
-        The guide's value for each output pixel, or None: the guide is then synthesised like a colour.
-    hold
-        Whether the output's guide stays at ``target``; if not, ``target`` only rules the start.
-    importance
-        How much of each exemplar pixel the output should hold (h, w), mean 1; None = all alike.
-    """
+class _Images:
+    """All that is given, on one level."""
 
     exemplar: Array
-    size: tuple[int, int]
-    guide: Array | None = None
-    target: Array | None = None
-    hold: bool = True
-    importance: Array | None = None
-
-    @property
-    def voted(self) -> int:
-        """How many channels the vote fills."""
-        held = self.hold and self.target is not None
-        return int(self.exemplar.shape[2]) + (self.guide is not None and not held)
-
-
-@dataclass(frozen=True)
-class Result:
-    """What a synthesis ends with.
-
-    Attributes
-    ----------
-    image
-        Weighted mean of the last vote (h, w, c), with the guide's channel where there is one.
-    source
-        Row and column of the exemplar for each pixel, int32 (h, w, 2).
-    energy
-        Mean over windows of (mean squared difference of a pixel) ** (r / 2) at the last search.
-    """
-
-    image: Array
-    source: Field
-    energy: float
+    usable: Flags | None
+    importance: Array
+    target: Array | None
+    start: Array | None
+    known: Flags | None
 
 
 @dataclass(frozen=True)
 class _Level:
-    """The exemplar and the canvas on one level with one window."""
+    """The exemplar and the canvas on one level with one window.
+
+    ``allowed`` are the exemplar's windows that may be used, ``nearest`` the nearest of them for each, ``wanted`` the
+    windows that look for a source, ``known`` the canvas pixels that stay, ``trust`` how much windows count beside them;
+    None where nothing is known, or everything usable.
+    """
 
     exemplar: Array
     canvas: Array
     voted: int
-    grid: Grid
+    frame: Frame
     basis: Basis
     features: Array
-    wanted: Array
+    share: Array
     histograms: Histograms
     falloff: Array
+    allowed: Flags | None
+    nearest: Field | None
+    wanted: Flags | None
+    known: Flags | None
+    trust: Array | None
 
 
 @dataclass(frozen=True)
@@ -136,76 +78,115 @@ def synthesise(
     The result depends on the arguments alone, never on ``work`` and its threads.
     """
     levels = plan[0].level + 1
-    colours = problem.exemplar
-    images = pyramid(colours if problem.guide is None else np.dstack([colours, problem.guide]), levels)
-    targets = [None] * levels if problem.target is None else pyramid(problem.target, levels)
-    importance = np.ones(colours.shape[:2], np.float32) if problem.importance is None else problem.importance
-    importances = pyramid(importance, levels)
+    images = _images(problem, levels)
     seed = int(rng.integers(2**63))
     total = sum(stage.iterations * 4.0**-stage.level for stage in plan)
     done = 0.0
-    before: tuple[Field, Grid, int] | None = None
+    before: tuple[Field, Frame, int] | None = None
     for number, stage in enumerate(plan):
         at = stage.level
-        margin = border(plan, at)
-        level = _open(problem, settings, stage, margin, images[at], targets[at], importances[at], work)
+        level = _open(problem, settings, stage, 0 if problem.bounded else border(plan, at), images[at], work)
         if before is None:
-            field = _start(level, targets[at] is not None, rng)
+            field = _start(level, problem.target is not None, rng)
         else:
             factor = 1 << (before[2] - at)
-            shift = factor * border(plan, before[2]) - margin
-            field = transfer(before[0], before[1], level.grid, factor, level.features.shape[:2], shift)
+            field = transfer(before[0], before[1], level.frame, factor, level.features.shape[:2])
+        if level.nearest is not None:
+            field = level.nearest[field[..., 0], field[..., 1]]
         match = _Match(field, np.ones(field.shape[:2], np.float32), 0.0, 0.0)
-        _vote(level, match, 0.0, work)
+        if before is not None or problem.start is None or problem.known is not None:
+            _vote(level, match, 0.0, work)
         for iteration in range(stage.iterations):
             draw = int(np.random.SeedSequence([seed, number, iteration]).generate_state(1, np.uint64)[0])
             match = _search(level, match, settings, draw, number == iteration == 0, work)
             _vote(level, match, settings.histogram, work)
             done += 4.0**-at / total
             work.progress(min(1.0, done), f"level {levels - at} of {levels}")
-        before = match.field, level.grid, at
+        before = match.field, level.frame, at
     source = vote_source(
-        match.field, match.weights, level.exemplar, level.falloff, level.grid.step, level.canvas, work
+        match.field, match.weights, level.exemplar, level.falloff, level.frame.grid.step, level.canvas, work,
+        level.known,
     )  # fmt: skip
-    height, width = problem.size
-    return Result(
-        np.ascontiguousarray(level.canvas[:height, :width]),
-        np.ascontiguousarray(source[:height, :width]),
-        match.energy,
-    )
+    return Result(level.frame.crop(level.canvas), level.frame.crop(source), match.energy)
+
+
+def _images(problem: Problem, levels: int) -> list[_Images]:
+    """Pyramids of what the problem gives: only usable and known pixels count where some are not."""
+    importance = np.ones(problem.exemplar.shape[:2], np.float32) if problem.importance is None else problem.importance
+    nothing: list[None] = [None] * levels
+    usable: Sequence[Flags | None] = nothing
+    start: Sequence[Array | None] = nothing
+    known: Sequence[Flags | None] = nothing
+    if problem.usable is None:
+        exemplars, importances = pyramid(problem.channels, levels), pyramid(importance, levels)
+    else:
+        exemplars, usable = masked_pyramid(problem.channels, problem.usable, levels)
+        importances = [
+            values * mask
+            for values, mask in zip(masked_pyramid(importance, problem.usable, levels)[0], usable, strict=True)
+        ]
+    if problem.start is not None and problem.known is not None:
+        start, known = masked_pyramid(problem.start, problem.known, levels)
+    elif problem.start is not None:
+        start = pyramid(problem.start, levels)
+    targets = nothing if problem.target is None else pyramid(problem.target, levels)
+    given = zip(exemplars, usable, importances, targets, start, known, strict=True)
+    return [_Images(*level) for level in given]
 
 
 def _open(
-    problem: Problem, settings: Settings, stage: Stage, margin: int, exemplar: Array, target: Array | None,
-    importance: Array, work: Work,
+    problem: Problem, settings: Settings, stage: Stage, margin: int, given: _Images, work: Work
 ) -> _Level:  # fmt: skip
-    """Prepare a level: components of the exemplar's windows, and an empty canvas with the target in its guide."""
-    height, width = (level_size(side, stage.level) + 2 * margin for side in problem.size)
-    grid = Grid.covering(height, width, stage.window, max(1, stage.window // 4))
+    """Prepare a level: components of the exemplar's windows, and a canvas with what is known of the output."""
+    exemplar, window = given.exemplar, stage.window
+    frame = Frame.of(problem.size, stage.level, window, margin, problem.wrap)
     colours, channels = problem.exemplar.shape[2], exemplar.shape[2]
-    canvas = np.zeros((*grid.canvas, channels), np.float32)
-    if target is not None:
-        more = ((margin, grid.canvas[0] - height + margin), (margin, grid.canvas[1] - width + margin))
-        canvas[..., colours] = np.pad(target, more, mode="edge")
+    canvas = np.zeros((*frame.grid.canvas, channels), np.float32)
+    if given.target is not None:
+        canvas[..., colours] = frame.spread(given.target)
+    known = wanted = trust = None
+    if given.start is not None:
+        canvas[..., :colours] = frame.spread(given.start)
+    if given.known is not None:
+        known = frame.spread(given.known) & frame.inside()
+        wanted = ~whole_windows(known, window, frame.grid.step)
+        trust = _trust(known, window)[:: frame.grid.step, :: frame.grid.step]
+    allowed = None if given.usable is None else whole_windows(given.usable, window)
     groups = [(slice(0, colours), settings.detail)]
     if channels > colours:
         groups.append((slice(colours, channels), 0.0))
-    basis = principal_basis(exemplar, stage.window, groups, settings.variance, work)
-    features = basis.project(exemplar, 1, work)
+    basis = principal_basis(exemplar, window, groups, settings.variance, work, allowed)
+    counted = slice(None) if given.usable is None else given.usable
     return _Level(
         exemplar=exemplar,
         canvas=canvas,
         voted=problem.voted,
-        grid=grid,
+        frame=frame,
         basis=basis,
-        features=features,
-        wanted=np.maximum(_centres(importance, stage.window), 1e-3),
-        histograms=Histograms(exemplar[..., : problem.voted], importance),
-        falloff=window_falloff(stage.window, settings.falloff),
+        features=basis.project(exemplar, 1, work, allowed),
+        share=np.maximum(_centres(given.importance, window), 1e-3),
+        histograms=Histograms(exemplar[..., : problem.voted], given.importance, counted),
+        falloff=window_falloff(window, settings.falloff),
+        allowed=allowed,
+        nearest=None if allowed is None else nearest_places(allowed),
+        wanted=wanted,
+        known=known,
+        trust=trust,
     )
 
 
-def _centres(values: Array, window: int) -> Array:
+def _trust(known: Flags, window: int) -> Array:
+    """How much windows count in the vote: less the farther their centres are from known pixels (Wexler et al. 2007)."""
+    from scipy.ndimage import distance_transform_edt
+
+    if not known.any():
+        return np.ones_like(_centres(known, window), np.float32)
+    trust = np.exp(-distance_transform_edt(~known) / (FADING * window))
+    result: Array = _centres(np.maximum(trust, LEAST).astype(np.float32), window)
+    return result
+
+
+def _centres(values: Any, window: int) -> Any:
     """Values (h, w, ...) at the centres of all windows."""
     low, high = (window - 1) // 2, window // 2
     return values[low : values.shape[0] - high, low : values.shape[1] - high]
@@ -213,7 +194,7 @@ def _centres(values: Array, window: int) -> Array:
 
 def _start(level: _Level, guided: bool, rng: np.random.Generator) -> Field:
     """Random blocks as large as a window; with a target, of the scale that it asks for."""
-    grid = level.grid
+    grid = level.frame.grid
     shape = level.features.shape[:2]
     block = max(1, grid.window // grid.step)
     present = wanted = None
@@ -225,32 +206,47 @@ def _start(level: _Level, guided: bool, rng: np.random.Generator) -> Field:
 
 def _search(level: _Level, before: _Match, settings: Settings, seed: int, first: bool, work: Work) -> _Match:
     """Find the nearest exemplar window for each window of the canvas, and its weight (equation 6)."""
-    windows = level.basis.project(level.canvas, level.grid.step, work)
+    grid, wanted = level.frame.grid, level.wanted
+    windows = level.basis.project(level.canvas, grid.step, work, wanted)
     shape = level.features.shape[:2]
+    chosen = slice(None) if wanted is None else wanted
     charge = np.zeros(shape, np.float32)
     if settings.evenness > 0 and before.mean > 0:
-        surplus = usage(before.field, (shape[0], shape[1]), level.grid.window // 2) / level.wanted - 1
+        used = usage(before.field[chosen], (shape[0], shape[1]), grid.window // 2, level.allowed)
+        surplus = used / level.share - 1
         charge = np.maximum(0, surplus) * np.float32(settings.evenness * before.mean)
+    if level.allowed is not None:
+        charge[~level.allowed] = np.inf
     if first or exact_cost(windows, level.features) <= EXACT_LIMIT:
-        field, costs = search_exact(windows, level.features, charge, work)
+        field, costs = search_exact(windows, level.features, charge, work, wanted)
     else:
         field, costs = search_warm(
             windows, level.features, charge, before.field,
-            step=level.grid.step, seed=seed, passes=settings.passes, work=work,
+            step=grid.step, seed=seed, passes=settings.passes, work=work, wanted=wanted,
         )  # fmt: skip
-    squared = np.maximum(costs - charge[field[..., 0], field[..., 1]], 0)
-    energy = np.mean((squared / level.grid.window**2) ** (settings.exponent / 2), dtype=np.float64)
-    weights = robust_weights(squared, settings.exponent)
+    level.frame.wrap_windows(field)
+    level.frame.wrap_windows(costs)
+    found = field[chosen]
+    squared = np.maximum(costs[chosen] - charge[found[..., 0], found[..., 1]], 0)
+    if squared.size == 0:
+        return _Match(field, np.ones(field.shape[:2], np.float32), 0.0, 0.0)
+    energy = np.mean((squared / grid.window**2) ** (settings.exponent / 2), dtype=np.float64)
+    weights = np.ones(field.shape[:2], np.float32)
+    weights[chosen] = robust_weights(squared, settings.exponent)
+    if level.trust is not None:
+        weights *= level.trust
     return _Match(field, weights, float(np.mean(squared, dtype=np.float64)), float(energy))
 
 
 def _vote(level: _Level, match: _Match, gain: float, work: Work) -> None:
     """Fill the canvas with the weighted mean of what the windows propose (equations 7 and 8)."""
-    pixel_weights = level.histograms.pixel_weights(level.canvas, gain)
+    counted = None if level.known is None or level.known.all() else ~level.known
+    pixel_weights = level.histograms.pixel_weights(level.canvas, gain, counted)
     vote_mean(
-        match.field, match.weights, level.exemplar, pixel_weights, level.falloff, level.grid.step, level.canvas,
-        level.voted, work,
+        match.field, match.weights, level.exemplar, pixel_weights, level.falloff, level.frame.grid.step, level.canvas,
+        level.voted, work, level.known,
     )  # fmt: skip
+    level.frame.wrap_canvas(level.canvas)
 
 
 def border(plan: Sequence[Stage], level: int) -> int:
@@ -263,19 +259,24 @@ def border(plan: Sequence[Stage], level: int) -> int:
     return 0 if level == 0 else max(stage.window for stage in plan if stage.level == level)
 
 
-def transfer(field: Field, old: Grid, new: Grid, factor: int, shape: tuple[int, ...], shift: int = 0) -> Field:
+def transfer(field: Field, old: Frame, new: Frame, factor: int, shape: tuple[int, ...]) -> Field:
     """The field of another grid over the same canvas, or over one ``factor`` times as fine.
 
-    The new canvas begins ``shift`` of its pixels inside the old one.
     Each new window takes the source of the old window with the nearest centre, shifted by the distance of their
-    corners; sources are moved into ``shape``, rows and columns of the exemplar's windows.
+    corners; sources are moved into ``shape``, rows and columns of the exemplar's windows. Where the output wraps around
+    and periods do not fit, places are stretched from period to period, so that there is no jump at the border.
     """
     places = []
-    for count, size in ((new.rows, old.rows), (new.columns, old.columns)):
-        corner = np.arange(count) * new.step + shift
-        centre = (corner + new.window / 2) / factor - old.window / 2
-        nearest = np.clip(np.rint(centre / old.step), 0, size - 1).astype(np.int64)
-        places.append((nearest, corner - factor * nearest * old.step))
+    for axis, (count, size) in enumerate(
+        ((new.grid.rows, old.grid.rows), (new.grid.columns, old.grid.columns))
+    ):  # fmt: skip
+        stretch = new.periods[axis] / old.periods[axis] if old.periods[axis] else factor
+        centre = np.arange(count) * new.grid.step + new.grid.window / 2 - new.margins[axis]
+        corner = centre / stretch - old.grid.window / 2 + old.margins[axis]
+        nearest = np.clip(np.rint(corner / old.grid.step), 0, size - 1).astype(np.int64)
+        middle = nearest * old.grid.step + old.grid.window / 2 - old.margins[axis]
+        apart = centre - stretch * middle + (factor * old.grid.window - new.grid.window) / 2
+        places.append((nearest, np.rint(apart).astype(np.int64)))
     (rows, down), (columns, right) = places
     result = factor * field[np.ix_(rows, columns)].astype(np.int64)
     result[..., 0] += down[:, None]

@@ -8,15 +8,16 @@ from graphtex_nodes.numerics.jit import kernel
 
 
 @kernel(
-    "const i4[:,:,:], const f4[:,:], const f4[:,:,:], const f4[:,:], const f4[:,:], i8, f4[:,:,:], i8, i8, i8",
+    "const i4[:,:,:], const f4[:,:], const f4[:,:,:], const f4[:,:], const f4[:,:], i8, const u1[:,:], f4[:,:,:], "
+    "i8, i8, i8",
     fastmath={"contract"},
 )
-def vote_mean(field, weights, exemplar, pixel_weights, falloff, step, image, channels, first, stop):
+def vote_mean(field, weights, exemplar, pixel_weights, falloff, step, known, image, channels, first, stop):
     """Weighted mean of the exemplar pixels that the covering windows propose, for rows ``first <= y < stop``.
 
     The weight is that of the window (``weights``, as the field), times that of the exemplar's pixel
     (``pixel_weights``, as the exemplar), times that of the place in the window (``falloff``). Only the first
-    ``channels`` channels of ``image`` are written.
+    ``channels`` channels of ``image`` are written, and of its pixels those that are not ``known``.
     """
     window = falloff.shape[0]
     rows, columns = field.shape[0], field.shape[1]
@@ -26,6 +27,8 @@ def vote_mean(field, weights, exemplar, pixel_weights, falloff, step, image, cha
         for x in range(image.shape[1]):
             column_low = max(0, (x - window + step) // step)
             column_high = min(columns - 1, x // step)
+            if known[y, x]:
+                continue
             total = np.float32(0)
             for c in range(channels):
                 image[y, x, c] = 0
@@ -44,13 +47,15 @@ def vote_mean(field, weights, exemplar, pixel_weights, falloff, step, image, cha
 
 
 @kernel(
-    "const i4[:,:,:], const f4[:,:], const f4[:,:,:], const f4[:,:], const f4[:,:,:], i8, i4[:,:,:], i8, i8",
+    "const i4[:,:,:], const f4[:,:], const f4[:,:,:], const f4[:,:], const f4[:,:,:], i8, const u1[:,:], i4[:,:,:], "
+    "i8, i8",
     fastmath={"contract"},
 )
-def vote_source(field, weights, exemplar, falloff, image, step, source, first, stop):
+def vote_source(field, weights, exemplar, falloff, image, step, known, source, first, stop):
     """For each pixel the proposed source that most windows agree on, among equals the one nearest to ``image``.
 
-    Votes are the product of ``weights`` and ``falloff``. Written: ``source`` (h, w, 2), rows and columns.
+    Votes are the product of ``weights`` and ``falloff``. Written: ``source`` (h, w, 2), rows and columns,
+    for pixels that are not ``known``.
     """
     window = falloff.shape[0]
     rows, columns = field.shape[0], field.shape[1]
@@ -64,6 +69,8 @@ def vote_source(field, weights, exemplar, falloff, image, step, source, first, s
         for x in range(source.shape[1]):
             column_low = max(0, (x - window + step) // step)
             column_high = min(columns - 1, x // step)
+            if known[y, x]:
+                continue
             count = 0
             for row in range(row_low, row_high + 1):
                 dy = y - row * step

@@ -33,30 +33,41 @@ def window_falloff(window: int, sharpness: float) -> Array:
 
 def vote_mean(
     field: Field, weights: Array, exemplar: Array, pixel_weights: Array, falloff: Array, step: int, image: Array,
-    channels: int, work: Work,
+    channels: int, work: Work, known: NDArray[np.bool_] | None = None,
 ) -> None:  # fmt: skip
     """Write the weighted mean of what the covering windows propose into the first channels of ``image``.
 
     ``field`` (rows, columns, 2) and ``weights`` (rows, columns) belong to the windows, ``pixel_weights`` (h, w) to the
-    pixels of ``exemplar`` (h, w, c), ``falloff`` (n, n) to the places in a window.
+    pixels of ``exemplar`` (h, w, c), ``falloff`` (n, n) to the places in a window. Pixels that are
+    ``known`` (h, w) stay; None = none.
     """
+    flags = _flags(known, image)
 
     def band(first: int, stop: int) -> None:
         vote_kernels.vote_mean(
-            field, weights, exemplar, pixel_weights, falloff, step, image, channels, first, stop
+            field, weights, exemplar, pixel_weights, falloff, step, flags, image, channels, first, stop
         )  # fmt: skip
 
     for_rows(band, image.shape[0], image.shape[1] * (len(falloff) / step) ** 2 * (5 + channels), work)
 
 
 def vote_source(
-    field: Field, weights: Array, exemplar: Array, falloff: Array, step: int, image: Array, work: Work
-) -> Field:
-    """Row and column of one exemplar pixel for each pixel of ``image``: the source that most windows agree on."""
-    source = np.empty((*image.shape[:2], 2), np.int32)
+    field: Field, weights: Array, exemplar: Array, falloff: Array, step: int, image: Array, work: Work,
+    known: NDArray[np.bool_] | None = None,
+) -> Field:  # fmt: skip
+    """Row and column of one exemplar pixel for each pixel of ``image``: the source that most windows agree on.
+
+    Both are -1 for ``known`` pixels (h, w); None = none are known.
+    """
+    source = np.full((*image.shape[:2], 2), -1, np.int32)
+    flags = _flags(known, image)
 
     def band(first: int, stop: int) -> None:
-        vote_kernels.vote_source(field, weights, exemplar, falloff, image, step, source, first, stop)
+        vote_kernels.vote_source(field, weights, exemplar, falloff, image, step, flags, source, first, stop)
 
     for_rows(band, image.shape[0], image.shape[1] * (len(falloff) / step) ** 2 * 20, work)
     return source
+
+
+def _flags(known: NDArray[np.bool_] | None, image: Array) -> NDArray[np.uint8]:
+    return (np.zeros(image.shape[:2], bool) if known is None else np.ascontiguousarray(known)).view(np.uint8)

@@ -18,15 +18,15 @@ def add_products(samples, total, first, stop):
 
 
 @kernel(
-    "const f4[:,:], i8, i8, i8, const f4[:,:], const f4[:], f4[:,:,:], i8, i8",
+    "const f4[:,:], i8, i8, i8, const f4[:,:], const f4[:], const u1[:,:], f4[:,:,:], i8, i8",
     fastmath={"contract", "reassoc", "nsz"},
 )
-def project(image, channels, window, step, basis, offset, out, first, stop):
+def project(image, channels, window, step, basis, offset, wanted, out, first, stop):
     """Coordinates of windows in a basis.
 
     ``image`` is (h, w * channels), ``basis`` (k, window * window * channels), ``offset`` (k): what to subtract, the
     coordinates of the mean. ``out`` (rows, columns, k): the window whose corner is at (step * row, step * column).
-    Four windows at a time share each load of the basis.
+    Four windows at a time share each load of the basis; fours of which none is ``wanted`` (rows, columns) are left out.
     """
     span = window * channels
     size = window * span
@@ -35,6 +35,8 @@ def project(image, channels, window, step, basis, offset, out, first, stop):
     for row in range(first, stop):
         for column in range(0, out.shape[1], 4):
             count = min(4, out.shape[1] - column)
+            if not np.any(wanted[row, column : column + count]):
+                continue
             for number in range(count):
                 start = (column + number) * step * channels
                 for y in range(window):

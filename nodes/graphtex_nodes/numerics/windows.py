@@ -48,22 +48,29 @@ class Basis:
     directions: Array
     mean: Array
 
-    def project(self, image: Array, step: int, work: Work) -> Array:
-        """Coordinates (rows, columns, k) of the windows of an image (h, w, c) at multiples of ``step``."""
+    def project(self, image: Array, step: int, work: Work, wanted: NDArray[np.bool_] | None = None) -> Array:
+        """Coordinates (rows, columns, k) of the windows of an image (h, w, c) at multiples of ``step``.
+
+        Windows that are not ``wanted`` (rows, columns) may have any; None = all are.
+        """
         height, width, channels = image.shape
         shape = ((height - self.window) // step + 1, (width - self.window) // step + 1, self.mean.size)
-        out = np.empty(shape, np.float32)
+        out = np.zeros(shape, np.float32)
+        flags = (np.ones(shape[:2], bool) if wanted is None else np.ascontiguousarray(wanted)).view(np.uint8)
         flat = np.ascontiguousarray(image).reshape(height, width * channels)
         rows = np.ascontiguousarray(self.directions.T)
 
         def band(first: int, stop: int) -> None:
-            window_kernels.project(flat, channels, self.window, step, rows, self.mean, out, first, stop)
+            window_kernels.project(flat, channels, self.window, step, rows, self.mean, flags, out, first, stop)
 
         for_rows(band, shape[0], shape[1] * self.directions.size / 8, work)
         return out
 
 
-def principal_basis(image: Array, window: int, groups: list[tuple[slice, float]], variance: float, work: Work) -> Basis:
+def principal_basis(
+    image: Array, window: int, groups: list[tuple[slice, float]], variance: float, work: Work,
+    allowed: NDArray[np.bool_] | None = None,
+) -> Basis:  # fmt: skip
     """Principal components of the windows of an image, for each group of channels apart.
 
     Parameters
@@ -77,6 +84,8 @@ def principal_basis(image: Array, window: int, groups: list[tuple[slice, float]]
         components are evened: see :func:`evened`.
     variance
         Share of each group's variance that is kept, 0 to 1.
+    allowed
+        Which windows (rows, columns) count; None = all.
 
     Notes
     -----
@@ -84,7 +93,7 @@ def principal_basis(image: Array, window: int, groups: list[tuple[slice, float]]
     orthogonal iteration without BLAS or LAPACK, whose results change with the number of threads.
     """
     channels = image.shape[2]
-    samples = _sample(image, window)
+    samples = _sample(image, window, allowed)
     mean = samples.mean(axis=0, dtype=np.float64)
     kept: list[NDArray[np.float64]] = []
     for group, share in groups:
@@ -124,12 +133,15 @@ def _pooled(samples: Array, pool: int) -> Array:
     return np.ascontiguousarray(blocks.sum(axis=(2, 4)) / np.float32(pool))
 
 
-def _sample(image: Array, window: int) -> Array:
+def _sample(image: Array, window: int, allowed: NDArray[np.bool_] | None) -> Array:
     """At most about ``SAMPLES`` windows (n, window, window, c), spread evenly and aperiodically."""
     views = np.lib.stride_tricks.sliding_window_view(image, (window, window), axis=(0, 1))
     rows, columns = views.shape[:2]
-    count = min(rows * columns, SAMPLES)
-    places = (np.arange(count) * (rows * columns) // count).astype(np.int64)
+    total = rows * columns if allowed is None else int(np.count_nonzero(allowed))
+    count = min(total, SAMPLES)
+    places = (np.arange(count) * total // count).astype(np.int64)
+    if allowed is not None:
+        places = np.flatnonzero(allowed)[places]
     return np.ascontiguousarray(np.moveaxis(views[places // columns, places % columns], 1, -1), np.float32)
 
 

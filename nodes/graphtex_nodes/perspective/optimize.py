@@ -1,15 +1,19 @@
 """Texture optimisation that keeps the trend of texel scales (Dong, Zhou & Paul 2008, section 4)."""
 
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
-from graphtex import QUIET, Axes, Context, Image, Number, Rng, ScaleMap, SourceMap, node
+from graphtex import QUIET, Axes, Context, Image, Mask, Number, Rng, ScaleMap, SourceMap, node
 
-MISSING_WORTH_TELLING = 0.01  # share of the output below which a lacking scale is not worth a warning
-
-Size = Annotated[int, Field(ge=0, le=16384, description="pixels; 0 follows the target scale, else twice the exemplar")]
+Size = Annotated[
+    int, Field(ge=0, le=16384, description="pixels; 0 follows start or the target scale, else twice the exemplar")
+]
+Sides = Annotated[
+    Literal["none", "both", "x", "y"],
+    Field(description="sides over which the output continues: x the left and right ones, y the upper and lower ones"),
+]
 Levels = Annotated[int, Field(ge=0, le=12, description="levels of the pyramid; 0 chooses them from the exemplar")]
 Windows = Annotated[
     tuple[Annotated[int, Field(ge=2, le=64)], ...],
@@ -48,6 +52,9 @@ def optimize(
     exemplar: Annotated[Image, Axes("h w c")],
     exemplar_scale: Annotated[ScaleMap, Axes("h w")] | None = None,
     target_scale: ScaleMap | None = None,
+    usable: Annotated[Mask, Axes("h w")] | None = None,
+    start: Annotated[Image, Axes("rows columns c")] | None = None,
+    known: Annotated[Mask, Axes("rows columns")] | None = None,
     *,
     width: Size = 0,
     height: Size = 0,
@@ -62,6 +69,7 @@ def optimize(
     evenness: Evenness = 1.0,
     variance: Variance = 0.95,
     detail: Detail = 0.3,
+    tileable: Sides = "none",
     rng: Rng = 0,
     ctx: Context = QUIET,
 ) -> Synthesis:
@@ -86,6 +94,13 @@ def optimize(
     target_scale
         Texel scale that each output pixel should have. Its shape is the output's unless ``width`` and ``height`` ask
         for another: then it is resampled bilinearly.
+    usable
+        Parts of the exemplar that may be used; others are not looked at.
+    start
+        A picture of the output's size to start from. Its coarse forms are what the first search sees.
+    known
+        Pixels of the output that stay exactly as in ``start``, of which then nothing else is read. Windows are sought
+        that agree with them. With ``vote="blend"`` colours of the pieces beside them are bent to meet them.
     width, height
         Size of the output.
     scale_weight
@@ -107,17 +122,22 @@ def optimize(
         r of the energy; gain of histogram matching; charge for windows used more often than others of their scale, in
         mean distances; share of variance that PCA keeps, for colours and scale apart; how far its components of colour
         are evened, from 0 (plain distances) to 1 (whitened).
+    tileable
+        Windows, votes and seams go on over these sides, so that copies of the output join without a seam. Odd sizes
+        take longer. Target scales at opposite sides should be alike.
 
     Returns
     -------
     Synthesis
         ``energy`` is the mean over windows of (mean squared difference of a pixel) ** (r / 2), ``coherence`` the share
-        of neighbouring pixels whose sources are neighbours, ``coverage`` the share of the exemplar that was used.
+        of neighbouring pixels whose sources are neighbours, ``coverage`` the share of the usable exemplar that was
+        used. Known pixels have the index 1 in ``source``, and their own row and column.
 
     Raises
     ------
     ValueError
-        If one map comes without the other, or more levels are asked for than the exemplar allows.
+        If one map comes without the other, more levels are asked for than the exemplar allows, nothing is usable, or
+        ``known`` comes without ``start``.
 
     Notes
     -----
@@ -141,59 +161,42 @@ def optimize(
     announce(ctx, "window_kernels", "search_kernels", "vote_kernels", "seam_kernels")
     from graphtex_nodes.numerics import levels as plans
     from graphtex_nodes.numerics import seams, sources
-    from graphtex_nodes.numerics.synthesis import Settings, synthesise
+    from graphtex_nodes.numerics.problem import Settings
+    from graphtex_nodes.numerics.request import Scales, pose
+    from graphtex_nodes.numerics.synthesis import synthesise
 
-    most = plans.most_levels(exemplar.shape)
-    if levels > most:
-        raise ValueError(f"levels: expected at most {most} for an exemplar of shape {exemplar.shape}, got {levels}")
-    problem = _problem(exemplar, exemplar_scale, target_scale, width, height, scale_weight, scale_mode, ctx)
-    plan = plans.stages(
-        exemplar.shape, levels or plans.automatic_levels(exemplar), windows or plans.WINDOWS, iterations
-    )  # fmt: skip
+    size = _size(start, target_scale, exemplar, height, width)
+    scales = Scales(exemplar_scale, target_scale, scale_weight, scale_mode == "fixed")
+    wrap = (tileable in ("y", "both"), tileable in ("x", "both"))
+    problem = pose(exemplar, size, scales, ctx, usable=usable, start=start, known=known, wrap=wrap)
+    plan = plans.plan(problem.exemplar, problem.usable, levels, windows, iterations)
     settings = Settings(exponent=exponent, histogram=histogram, evenness=evenness, variance=variance, detail=detail)
     result = synthesise(problem, plan, settings, rng, ctx)
     if vote == "mean":
         image, source = result.image[..., : exemplar.shape[2]], result.source
     else:
         image, source = seams.finish(problem, result, fade=vote == "blend", work=ctx)
+    origin = sources.source_map(source)
+    if problem.known is not None:
+        origin[problem.known, 0] = 1
+        origin[problem.known, 1:3] = np.argwhere(problem.known)
     return Synthesis(
         image=np.ascontiguousarray(image),
-        source=sources.source_map(source),
+        source=origin,
         energy=result.energy,
         coherence=sources.coherence(source),
-        coverage=sources.coverage(source, exemplar.shape[:2]),
+        coverage=sources.coverage(source, exemplar.shape[:2], problem.usable),
     )
 
 
-def _problem(
-    exemplar: Any, exemplar_scale: Any, target_scale: Any, width: int, height: int, weight: float,
-    mode: Literal["fixed", "free"], ctx: Context,
-) -> Any:  # fmt: skip
-    """What to synthesise: the output's size, and the scale channel with its weight."""
-    from graphtex_nodes.numerics import guidance
-    from graphtex_nodes.numerics.synthesis import Problem
-
-    shape = (2 * exemplar.shape[0], 2 * exemplar.shape[1]) if target_scale is None else target_scale.shape
-    size = (height or shape[0], width or shape[1])
-    if exemplar_scale is None and target_scale is not None and weight > 0:
-        raise ValueError("exemplar_scale: expected a map beside target_scale (or scale_weight=0), got none")
-    if target_scale is None and exemplar_scale is not None and weight > 0 and mode == "fixed":
-        raise ValueError('target_scale: expected a map beside exemplar_scale (or scale_mode="free"), got none')
-    factor = 0.0 if exemplar_scale is None else guidance.scale_factor(exemplar, exemplar_scale, weight)
-    if factor == 0:
-        if weight > 0 and exemplar_scale is not None:
-            ctx.warn("exemplar_scale is the same everywhere: it cannot guide, the synthesis is plain")
-        return Problem(exemplar, size)
-    guide = exemplar_scale * np.float32(factor)
-    if target_scale is None:
-        return Problem(exemplar, size, guide)
-    target = guidance.resampled(target_scale, size)
-    missing = guidance.missing_share(exemplar_scale, target)
-    if missing > MISSING_WORTH_TELLING:
-        ctx.warn(
-            f"{missing:.0%} of the output asks for scales that the exemplar lacks (it has "
-            f"{exemplar_scale.min():.2g} to {exemplar_scale.max():.2g}): the nearest are used there"
-        )
-        target = np.clip(target, exemplar_scale.min(), exemplar_scale.max())
-    importance = guidance.importance(exemplar_scale, target)
-    return Problem(exemplar, size, guide, target * np.float32(factor), mode == "fixed", importance)
+def _size(
+    start: Image | None, target: ScaleMap | None, exemplar: Image, height: int, width: int
+) -> tuple[int, int]:  # fmt: skip
+    """Height and width of the output."""
+    if start is not None:
+        size = start.shape[:2]
+        if (height or size[0], width or size[1]) != size:
+            raise ValueError(f"start: expected the output's size {height} x {width}, got shape {start.shape}")
+        return int(size[0]), int(size[1])
+    shape = (2 * exemplar.shape[0], 2 * exemplar.shape[1]) if target is None else target.shape
+    return height or shape[0], width or shape[1]

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graphtex_nodes.numerics.pyramid import halve, level_size, pyramid
+from graphtex_nodes.numerics.pyramid import halve, level_size, masked_pyramid, pyramid
 
 
 def test_worked_by_hand():
@@ -29,3 +29,15 @@ def test_sizes_and_constants(h, w, levels):
 @pytest.mark.parametrize(("size", "level", "expected"), [(256, 4, 16), (5, 1, 3), (5, 2, 2), (1, 9, 1)])
 def test_level_size(size, level, expected):
     assert level_size(size, level) == expected
+
+
+def test_masked_pixels_leave_no_trace():
+    """Where only True pixels differ from others, means are those of the True ones."""
+    mask = np.zeros((16, 16), bool)
+    mask[:, :8] = True
+    image = np.where(mask, np.float32(0.25), np.float32(77))
+    values, masks = masked_pyramid(image, mask, 3)
+    for level in range(3):
+        np.testing.assert_array_equal(masks[level][:, : 8 >> level], True)
+        assert not masks[level][:, (8 >> level) + 1 :].any()
+        np.testing.assert_allclose(values[level][masks[level]], 0.25, rtol=1e-6)

@@ -2,8 +2,10 @@ import numpy as np
 import pytest
 
 from graphtex_nodes.numerics import parallel
+from graphtex_nodes.numerics.frames import Frame
 from graphtex_nodes.numerics.levels import stages
-from graphtex_nodes.numerics.synthesis import Problem, Settings, synthesise, transfer
+from graphtex_nodes.numerics.problem import Problem, Settings
+from graphtex_nodes.numerics.synthesis import synthesise, transfer
 from graphtex_nodes.numerics.windows import Grid
 
 RNG = np.random.default_rng(4)
@@ -46,13 +48,17 @@ def test_image_is_made_of_exemplar_values():
     assert image.max() <= EXEMPLAR.max() + 1e-5
 
 
+def on_canvas(grid):
+    return Frame(grid.canvas, grid, (0, 0), (0, 0))
+
+
 @pytest.mark.parametrize(("factor", "old", "new"), [(1, 16, 8), (2, 8, 8), (2, 16, 8), (1, 8, 8)])
 def test_transfer_keeps_a_copy(factor, old, new):
     """A field that copies with one shift still does after the change of grid."""
     before, after = Grid(20, 20, old, old // 4), Grid(15, 14, new, new // 4)
     row, column = np.mgrid[:20, :20]
     field = np.stack([row * before.step + 7, column * before.step + 3], axis=-1).astype(np.int32)
-    found = transfer(field, before, after, factor, (900, 900))
+    found = transfer(field, on_canvas(before), on_canvas(after), factor, (900, 900))
     row, column = np.mgrid[:15, :14]
     expected = np.stack([row * after.step + 7 * factor, column * after.step + 3 * factor], axis=-1)
     np.testing.assert_array_equal(found, expected)
@@ -60,7 +66,19 @@ def test_transfer_keeps_a_copy(factor, old, new):
 
 def test_transfer_stays_inside():
     field = np.full((3, 3, 2), 5, np.int32)
-    found = transfer(field, Grid(3, 3, 8, 2), Grid(9, 9, 8, 2), 2, (6, 4))
+    found = transfer(field, on_canvas(Grid(3, 3, 8, 2)), on_canvas(Grid(9, 9, 8, 2)), 2, (6, 4))
     assert found[..., 0].max() <= 5
     assert found[..., 1].max() <= 3
     assert found.min() >= 0
+
+
+def test_transfer_stretches_what_wraps_around():
+    """A period of 12 becomes one of 21: copies of one row of windows stay 0 to 2 pixels from their places."""
+    before, after = (
+        Frame.of((side, side), level, 8, 0, (True, True)) for side, level in ((24, 1), (21, 0))
+    )  # fmt: skip
+    field = np.zeros((before.grid.rows, before.grid.columns, 2), np.int32)
+    field[..., 0] = (np.arange(before.grid.rows) * before.grid.step - before.margins[0])[:, None] + 50
+    rows = transfer(field, before, after, 2, (900, 900))[:, 0, 0]
+    place = np.arange(rows.size) * after.grid.step - after.margins[0]
+    np.testing.assert_allclose(rows - 100, place * 24 / 21, atol=2)

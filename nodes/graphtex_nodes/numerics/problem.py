@@ -1,0 +1,119 @@
+"""What a synthesis is asked for and what it gives."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float32]
+Field = NDArray[np.int32]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to synthesise.
+
+    Attributes
+    ----------
+    exponent
+        Power r of a window's distance in the energy.
+    histogram
+        Gain of histogram matching, 0 = none.
+    evenness
+        What an exemplar window that is used twice as often as wanted is charged, in mean squared distances.
+    variance
+        Share of the windows' variance that principal components keep.
+    detail
+        How far components of colour are evened, 0 (not at all) to 1 (whitened).
+    passes
+        PatchMatch passes of an iteration.
+    falloff
+        How much the middle of a window weighs more than its border: exp(-falloff) at the middle of a side.
+    """
+
+    exponent: float = 0.8
+    histogram: float = 8.0
+    evenness: float = 1.0
+    variance: float = 0.95
+    detail: float = 0.3
+    passes: int = 2
+    falloff: float = 1.0
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What to synthesise.
+
+    Attributes
+    ----------
+    exemplar
+        Colours (h, w, c).
+    size
+        Height and width of the output.
+    guide
+        One more channel of the exemplar (h, w), already weighted, or None.
+    target
+        The guide's value for each output pixel, or None: the guide is then synthesised like a colour.
+    hold
+        Whether the output's guide stays at ``target``; if not, ``target`` only rules the start.
+    importance
+        How much of each exemplar pixel the output should hold (h, w), mean 1; None = all alike.
+    usable
+        Exemplar pixels (h, w) that may be copied; None = all. Some must be.
+    start
+        Colours of the output to start from; with ``known`` only those of known pixels are read. None = random blocks.
+    known
+        Output pixels that stay as ``start`` has them; None = none.
+    wrap
+        Whether the output continues over its lower and upper border, and over its right and left one.
+    """
+
+    exemplar: Array
+    size: tuple[int, int]
+    guide: Array | None = None
+    target: Array | None = None
+    hold: bool = True
+    importance: Array | None = None
+    usable: Flags | None = None
+    start: Array | None = None
+    known: Flags | None = None
+    wrap: tuple[bool, bool] = (False, False)
+
+    @property
+    def voted(self) -> int:
+        """How many channels the vote fills."""
+        held = self.hold and self.target is not None
+        return int(self.exemplar.shape[2]) + (self.guide is not None and not held)
+
+    @property
+    def channels(self) -> Array:
+        """The exemplar with its guide (h, w, c or c + 1)."""
+        return self.exemplar if self.guide is None else np.dstack([self.exemplar, self.guide])
+
+    @property
+    def bounded(self) -> bool:
+        """Whether all pixels along the output's border are known."""
+        known = self.known
+        return known is not None and bool(
+            known[0].all() and known[-1].all() and known[:, 0].all() and known[:, -1].all()
+        )
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a synthesis ends with.
+
+    Attributes
+    ----------
+    image
+        Weighted mean of the last vote (h, w, c), with the guide's channel where there is one.
+    source
+        Row and column of the exemplar for each pixel, int32 (h, w, 2); negative for known pixels.
+    energy
+        Mean over windows of (mean squared difference of a pixel) ** (r / 2) at the last search.
+    """
+
+    image: Array
+    source: Field
+    energy: float
