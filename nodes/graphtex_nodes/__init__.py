@@ -16,6 +16,7 @@ from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.exemplars.sample import sample
+from graphtex_nodes.image.exemplars.sample_mask import sample_mask
 from graphtex_nodes.image.exemplars.sand import sand
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.image.load import load_image, load_mask, load_scale
@@ -29,6 +30,7 @@ from graphtex_nodes.image.load_data import (
     load_view_stack,
 )
 from graphtex_nodes.image.maps import select_map, split_maps, stack_maps
+from graphtex_nodes.perspective.complete import complete
 from graphtex_nodes.perspective.feature_mask import feature_mask
 from graphtex_nodes.perspective.feature_scale import feature_scale
 from graphtex_nodes.perspective.optimize import optimize
@@ -38,6 +40,7 @@ from graphtex_nodes.perspective.view_scale import view_scale
 
 __all__ = [
     "bricks",
+    "complete",
     "contact_sheet",
     "feature_mask",
     "feature_scale",
@@ -63,6 +66,7 @@ __all__ = [
     "pick_channels",
     "resize_scale",
     "sample",
+    "sample_mask",
     "sand",
     "scale_from_angles",
     "select_map",

@@ -69,6 +69,27 @@ def join_known(
     return result
 
 
+def laplace(values: NDArray[np.float64], known: NDArray[np.bool_], work: Work) -> NDArray[np.float64]:
+    """Harmonic values (n,) of the pixels that are not known: each is the mean of its neighbours (h, w).
+
+    Over the array's border nothing flows. At least one pixel must be known.
+    """
+    number = np.cumsum(~known.ravel()) - 1
+    count = int(np.count_nonzero(~known))
+    degree, right_side = np.zeros(count), np.zeros((count, 1))
+    edges = []
+    for down, right in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        here, there = _pairs(known.shape, down, right, (False, False))
+        unknown = ~known.ravel()[here]
+        here, there = here[unknown], there[unknown]
+        degree += np.bincount(number[here], minlength=count)
+        border = known.ravel()[there]
+        right_side[:, 0] += np.bincount(number[here[border]], values.ravel()[there[border]], count)
+        edges.append((number[here[~border]], number[there[~border]]))
+    result: NDArray[np.float64] = _solve(degree, edges, right_side, work)[:, 0]
+    return result
+
+
 def _pairs(
     shape: tuple[int, ...], down: int, right: int, wrap: tuple[bool, bool]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -17,7 +17,7 @@ from graphtex_nodes.numerics.search import EXACT_LIMIT, exact_cost, search_exact
 from graphtex_nodes.numerics.voting import robust_weights, vote_mean, vote_source, window_falloff
 from graphtex_nodes.numerics.windows import Basis, principal_basis
 
-FADING = 1.0
+FADING = 0.25
 """Windows' sides over which the weight of what is not known yet falls to 1/e of that beside known pixels."""
 LEAST = 0.05
 """Least such weight."""

@@ -1,0 +1,43 @@
+"""Masks by name, of the size of the drawn samples."""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from graphtex import Mask, node, opener
+
+SIDE = 256
+
+
+@opener(Mask, scheme="sample")
+@node
+def sample_mask(
+    *, name: Annotated[Literal["hole", "holes", "scratches"], Field(description="which mask")]
+) -> Mask:  # fmt: skip
+    """A mask that ships with the package: ``sample:hole`` where a graph file wants the path of a mask.
+
+    ``hole`` is one ellipse near the middle, ``holes`` are three discs of which one touches the border, ``scratches``
+    are thin lines from border to border.
+
+    Returns
+    -------
+    Mask
+        (256, 256), as large as the drawn pictures of `Sample`.
+
+    Examples
+    --------
+    >>> [round(float(sample_mask(name=name).mean()), 2) for name in ("hole", "holes", "scratches")]
+    [0.1, 0.08, 0.05]
+    """
+    y, x = np.mgrid[:SIDE, :SIDE].astype(np.float64)
+    mask = np.zeros((SIDE, SIDE), bool)
+    if name == "hole":
+        mask |= ((x - 134) / 50) ** 2 + ((y - 140) / 40) ** 2 < 1
+    elif name == "holes":
+        for across, below, radius in ((70, 80, 22), (180, 150, 30), (40, 250, 28)):
+            mask |= np.hypot(x - across, y - below) < radius
+    else:
+        for right, down, offset in ((0.9, 0.4, 100.0), (0.2, -1.0, -60.0), (0.7, 0.7, 250.0), (1.0, -0.3, 30.0)):
+            mask |= np.abs(right * x + down * y - offset + 4 * np.sin(y / 17)) < 1.6
+    return mask

@@ -1,0 +1,175 @@
+from functools import cache
+
+import numpy as np
+import pytest
+
+from graphtex import Context
+from graphtex_nodes.image.exemplars.bricks import bricks
+from graphtex_nodes.image.exemplars.pebbles import pebbles
+from graphtex_nodes.image.exemplars.sample_mask import sample_mask
+from graphtex_nodes.numerics.continuation import continued, fitted_plane
+from graphtex_nodes.numerics.parallel import Quiet
+from graphtex_nodes.perspective.complete import complete
+
+QUIET = Context(threads=1)
+RNG = np.random.default_rng(3)
+NOISE = RNG.random((40, 50, 3)).astype(np.float32)
+ROW, COLUMN = np.mgrid[:40, :50]
+SLOPE = (0.5 + ROW * 0.02 + COLUMN * 0.01).astype(np.float32)
+
+
+def hole_of(kind):
+    hole = np.zeros((40, 50), bool)
+    if kind == "pixel":
+        hole[7, 9] = True
+    elif kind == "corner":
+        hole[:12, :9] = True
+    elif kind == "row":
+        hole[20] = True
+    elif kind == "frame":
+        hole[:] = True
+        hole[10:30, 12:40] = False
+    elif kind == "sprinkled":
+        hole = RNG.random((40, 50)) < 0.5
+    else:
+        hole[:] = True
+        hole[3, 4] = hole[30, 44] = False
+    return hole
+
+
+@cache
+def plane(kind):
+    made = pebbles(slant=55.0, rng=0) if kind == "pebbles" else bricks(kind="paving", size=40.0, slant=52.0, rng=0)
+    return np.array(made.image), np.array(made.scale)
+
+
+def size_error(scale, result, hole):
+    """Mean of |log2| of the size of what was put in the hole over the size that belongs there."""
+    rows, columns = (result.source[hole][:, k].astype(int) for k in (1, 2))
+    return np.abs(np.log2(scale[rows, columns] / scale[hole])).mean()
+
+
+@pytest.mark.parametrize("kind", ["pebbles", "paving"])
+@pytest.mark.parametrize("given", [False, True])
+def test_elements_in_the_hole_have_the_right_size(kind, given):
+    """Within 10 %, with the scale map measured around the hole too; without a scale they are off by more than 25 %."""
+    photo, scale = plane(kind)
+    hole = sample_mask(name="hole")
+    result = complete(photo, hole, scale if given else None, ctx=QUIET)
+    assert size_error(scale, result, hole) < np.log2(1.1)
+    assert np.corrcoef(result.scale[hole], scale[hole])[0, 1] > 0.95
+    np.testing.assert_array_equal(result.image[~hole], photo[~hole])
+    if not given:
+        plain = complete(photo, hole, scale_weight=0.0, ctx=QUIET)
+        assert size_error(scale, plain, hole) > np.log2(1.25)
+
+
+def test_seam_does_not_show():
+    """Steps over the hole's border are like those elsewhere."""
+    photo, scale = plane("pebbles")
+    hole = sample_mask(name="hole")
+    image = complete(photo, hole, scale, ctx=QUIET).image
+    down = np.abs(np.diff(image, axis=0)).mean(axis=2)
+    border = hole[1:] != hole[:-1]
+    assert down[border].mean() < 1.2 * down[~hole[1:] & ~border].mean()
+
+
+@pytest.mark.parametrize("kind", ["pixel", "corner", "row", "frame", "sprinkled", "nearly all"])
+@pytest.mark.parametrize("scale", [None, SLOPE])
+@pytest.mark.parametrize("continuation", ["plane", "harmonic"])
+def test_any_hole(kind, scale, continuation):
+    hole = hole_of(kind)
+    quiet = Context(threads=1, on_warning=lambda text: None)  # of two pixels no scale can be told
+    result = complete(NOISE, hole, scale, continuation=continuation, iterations=1, ctx=quiet)
+    np.testing.assert_array_equal(result.image[~hole], NOISE[~hole])
+    np.testing.assert_array_equal(result.source[~hole, 1:3], np.argwhere(~hole))
+    rows, columns = (result.source[..., k].astype(int) for k in (1, 2))
+    assert not hole[rows, columns].any()
+    if scale is not None:
+        np.testing.assert_array_equal(result.scale[~hole], scale[~hole])
+        if continuation == "plane" and kind != "nearly all":
+            np.testing.assert_allclose(result.scale, SLOPE, atol=1e-4)
+
+
+def test_what_is_in_the_hole_does_not_matter():
+    hole = hole_of("corner")
+    other = np.where(hole[..., None], np.float32(1), NOISE)
+    for first, second in zip(complete(NOISE, hole, ctx=QUIET), complete(other, hole, ctx=QUIET), strict=True):
+        np.testing.assert_array_equal(first, second)
+
+
+def test_source_is_where_it_takes_from():
+    hole, source = hole_of("corner"), np.zeros((40, 50), bool)
+    source[25:, 30:] = True
+    found = complete(NOISE, hole, source=source, scale_weight=0.0, ctx=QUIET).source[hole]
+    assert (found[:, 1] >= 25).all()
+    assert (found[:, 2] >= 30).all()
+
+
+def test_only_the_surroundings_are_looked_at():
+    """Far away from the hole the photo may be anything."""
+    photo = RNG.random((300, 320, 1)).astype(np.float32)
+    hole = np.zeros((300, 320), bool)
+    hole[40:60, 50:70] = True
+    other = photo.copy()
+    other[130:] = 9
+    first, second = (complete(picture, hole, iterations=1, ctx=QUIET) for picture in (photo, other))
+    np.testing.assert_array_equal(first.image[hole], second.image[hole])
+    assert first.source[hole, 1:3].max() < 70 + 64
+
+
+def test_no_hole_changes_nothing():
+    result = complete(NOISE, np.zeros((40, 50), bool), SLOPE, ctx=QUIET)
+    np.testing.assert_array_equal(result.image, NOISE)
+    np.testing.assert_array_equal(result.scale, SLOPE)
+    np.testing.assert_array_equal(result.source[..., 1:3].astype(int), np.stack([ROW, COLUMN], axis=-1))
+
+
+def test_given_scale_is_kept():
+    scale = SLOPE[::-1].copy()
+    result = complete(NOISE, hole_of("corner"), scale, continuation="given", iterations=1, ctx=QUIET)
+    np.testing.assert_array_equal(result.scale, scale)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"hole": np.ones((40, 50), bool)}, "hole: expected some pixels outside"),
+        ({"hole": np.ones((4, 5), bool)}, "hole"),
+        ({"source": np.zeros((40, 50), bool)}, "source: expected some pixels"),
+        ({"source": hole_of("corner")}, "source: expected some pixels"),
+        ({"continuation": "given"}, "scale: expected a map"),
+    ],
+)
+def test_refuses(wrong, message):
+    sockets = {"hole": hole_of("corner"), **wrong}
+    with pytest.raises(ValueError, match=message):
+        complete(NOISE, ctx=QUIET, **sockets)
+
+
+def test_plane_ignores_what_does_not_lie_on_it():
+    values = SLOPE + RNG.normal(0, 0.01, SLOPE.shape)
+    values[:12, :20] = 4
+    known = RNG.random(SLOPE.shape) < 0.8
+    np.testing.assert_allclose(fitted_plane(values, known), SLOPE, atol=0.01)
+
+
+@pytest.mark.parametrize("places", [[(3, 4)], [(3, 4), (3, 40)]])
+def test_plane_through_too_few_pixels(places):
+    known = np.zeros(SLOPE.shape, bool)
+    for place in places:
+        known[place] = True
+    found = fitted_plane(SLOPE, known)
+    np.testing.assert_allclose(found[known], SLOPE[known], atol=1e-5)
+    np.testing.assert_allclose(found[0], found[-1], atol=1e-6)
+
+
+def test_harmonic_values_are_means_of_their_neighbours():
+    known = np.ones(SLOPE.shape, bool)
+    known[10:25, 12:30] = False
+    values = (SLOPE + RNG.random(SLOPE.shape) * 0.1).astype(np.float32)
+    found = continued(values, known, True, Quiet()).astype(np.float64)
+    mean = (found[:-2, 1:-1] + found[2:, 1:-1] + found[1:-1, :-2] + found[1:-1, 2:]) / 4
+    inner = ~known[1:-1, 1:-1]
+    np.testing.assert_allclose(found[1:-1, 1:-1][inner], mean[inner], atol=1e-4)
+    np.testing.assert_array_equal(found[known], values[known])
