@@ -35,7 +35,9 @@ from graphtex_nodes.perspective.feature_mask import feature_mask
 from graphtex_nodes.perspective.feature_scale import feature_scale
 from graphtex_nodes.perspective.optimize import optimize
 from graphtex_nodes.perspective.resize_scale import resize_scale
+from graphtex_nodes.perspective.scale_edit import scale_edit
 from graphtex_nodes.perspective.scale_from_angles import scale_from_angles
+from graphtex_nodes.perspective.scale_pattern import scale_from_image, scale_pattern
 from graphtex_nodes.perspective.view_scale import view_scale
 
 __all__ = [
@@ -68,7 +70,10 @@ __all__ = [
     "sample",
     "sample_mask",
     "sand",
+    "scale_edit",
     "scale_from_angles",
+    "scale_from_image",
+    "scale_pattern",
     "select_map",
     "split_maps",
     "stack_maps",
