@@ -35,6 +35,10 @@ Gain = Annotated[float, Field(ge=0, le=100, description="strength of histogram m
 Evenness = Annotated[float, Field(ge=0, le=100, description="charge for overused parts of the exemplar; 0 = none")]
 Detail = Annotated[float, Field(ge=0, le=1, description="how much lines and fine detail gain on large areas; 0 = none")]
 Variance = Annotated[float, Field(gt=0, le=1, description="share of variance that principal components keep")]
+Mirror = Annotated[bool, Field(description="whether mirror images of the exemplar (right to left) serve too")]
+Largest = Annotated[
+    float, Field(ge=1, le=4, description="how far copies are enlarged or shrunk where scales are short; 1 = never")
+]
 
 
 class Synthesis(NamedTuple):
@@ -70,6 +74,8 @@ def optimize(
     variance: Variance = 0.95,
     detail: Detail = 0.3,
     tileable: Sides = "none",
+    mirror: Mirror = False,
+    resample: Largest = 1.0,
     rng: Rng = 0,
     ctx: Context = QUIET,
 ) -> Synthesis:
@@ -125,6 +131,12 @@ def optimize(
     tileable
         Windows, votes and seams go on over these sides, so that copies of the output join without a seam. Odd sizes
         take longer. Target scales at opposite sides should be alike.
+    mirror, resample
+        A larger stock of windows: the exemplar's mirror image, and copies of it resampled by factors of 2 ** (1/3) up
+        to ``resample``, of which the parts are used whose scale is wanted and that the exemplar has few elements of.
+        ``source`` tells both; its rows and columns may then lie between pixels. ``resample=1.3`` makes near rows repeat
+        visibly less; larger ones bring the foreshortening of other distances. A picture and its mirror image join
+        without a seam, so ``mirror`` may leave symmetric places.
 
     Returns
     -------
@@ -159,24 +171,31 @@ def optimize(
     from graphtex_nodes.numerics.jit import announce
 
     announce(ctx, "window_kernels", "search_kernels", "vote_kernels", "seam_kernels")
+    from graphtex_nodes.numerics import atlas, seams, sources
     from graphtex_nodes.numerics import levels as plans
-    from graphtex_nodes.numerics import seams, sources
     from graphtex_nodes.numerics.problem import Settings
     from graphtex_nodes.numerics.request import Scales, pose
     from graphtex_nodes.numerics.synthesis import synthesise
 
     size = _size(start, target_scale, exemplar, height, width)
-    scales = Scales(exemplar_scale, target_scale, scale_weight, scale_mode == "fixed")
+    stock = atlas.original(exemplar, exemplar_scale, usable)
+    if mirror or resample > 1:
+        asked = None if scale_weight == 0 or target_scale is None else target_scale
+        unit = 1 << (plans.most_levels(exemplar.shape) - 1)
+        stock = atlas.enlarged(stock, asked, mirror=mirror, largest=resample, unit=unit)
+    scales = Scales(stock.scale, target_scale, scale_weight, scale_mode == "fixed")
     wrap = (tileable in ("y", "both"), tileable in ("x", "both"))
-    problem = pose(exemplar, size, scales, ctx, usable=usable, start=start, known=known, wrap=wrap)
-    plan = plans.plan(problem.exemplar, problem.usable, levels, windows, iterations)
+    problem = pose(stock.picture, size, scales, ctx, usable=stock.usable, start=start, known=known, wrap=wrap)
+    own = problem.exemplar[: exemplar.shape[0], : exemplar.shape[1]]
+    plan = plans.plan(own, problem.usable, levels, windows, iterations)
     settings = Settings(exponent=exponent, histogram=histogram, evenness=evenness, variance=variance, detail=detail)
     result = synthesise(problem, plan, settings, rng, ctx)
     if vote == "mean":
         image, source = result.image[..., : exemplar.shape[2]], result.source
     else:
         image, source = seams.finish(problem, result, fade=vote == "blend", work=ctx)
-    origin = sources.source_map(source)
+    origin = stock.origin[source[..., 0], source[..., 1]]
+    coverage = sources.coverage(origin[source[..., 0] >= 0][:, 1:3].round(), exemplar.shape[:2], usable)
     if problem.known is not None:
         origin[problem.known, 0] = 1
         origin[problem.known, 1:3] = np.argwhere(problem.known)
@@ -185,7 +204,7 @@ def optimize(
         source=origin,
         energy=result.energy,
         coherence=sources.coherence(source),
-        coverage=sources.coverage(source, exemplar.shape[:2], problem.usable),
+        coverage=coverage,
     )
 
 

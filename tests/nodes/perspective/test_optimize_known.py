@@ -5,7 +5,9 @@ import pytest
 
 from graphtex import Context
 from graphtex_nodes.image.exemplars.pebbles import pebbles
+from graphtex_nodes.numerics.guidance import resampled
 from graphtex_nodes.perspective.optimize import optimize
+from tests.truth import source_scale_correlation
 
 QUIET = Context(threads=1)
 RNG = np.random.default_rng(1)
@@ -157,3 +159,23 @@ def test_threads_change_no_byte():
 def test_refuses(wrong, message):
     with pytest.raises(ValueError, match=message):
         optimize(NOISE, ctx=QUIET, **wrong)
+
+
+def test_a_larger_stock_repeats_less():
+    """Rows near the eye: more different pixels, and sources whose scale is no worse."""
+    made = pebbles(width=128, height=128, size=10.0, slant=55.0, rng=3)
+    scale = np.array(made.scale)
+    target = resampled(scale, (256, 256))
+    few, many = (
+        optimize(made.image, scale, target, resample=factor, ctx=QUIET) for factor in (1.0, 1.3)
+    )  # fmt: skip
+    assert (many.source[..., 3] != 0).mean() > 0.1
+    different = [len(np.unique(result.source[-60:].reshape(-1, 6), axis=0)) for result in (few, many)]
+    assert different[1] > 1.1 * different[0]
+    assert source_scale_correlation(many.source, [scale], target) > 0.95
+
+
+def test_mirrored_sources_replay():
+    result = optimize(NOISE, mirror=True, vote="discrete", ctx=QUIET)
+    assert set(np.unique(result.source[..., 5])) == {0, 1}
+    np.testing.assert_array_equal(result.image, NOISE[places(result.source)])

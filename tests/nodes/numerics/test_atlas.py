@@ -1,0 +1,70 @@
+import numpy as np
+import pytest
+from scipy.ndimage import map_coordinates
+
+from graphtex_nodes.numerics.atlas import enlarged, original
+
+RNG = np.random.default_rng(7)
+ROW, COLUMN = np.mgrid[:40, :50]
+PICTURE = np.stack([np.sin(ROW / 9), np.cos(COLUMN / 8), np.sin((ROW + COLUMN) / 11)], axis=-1).astype(np.float32)
+SCALE = np.repeat(np.linspace(0.5, 2, 40, dtype=np.float32)[:, None], 50, axis=1)
+
+
+def resampled_atlas(target=SCALE, mirror=False, largest=1.6):
+    return enlarged(original(PICTURE, SCALE, None), target, mirror=mirror, largest=largest, unit=8)
+
+
+@pytest.mark.parametrize("mirror", [False, True])
+def test_origin_tells_where_all_comes_from(mirror):
+    """Second method: the exemplar interpolated at the origins, for a smooth exemplar."""
+    atlas = resampled_atlas(mirror=mirror)
+    usable, origin = atlas.usable, atlas.origin
+    assert (origin[usable, 3] != 0).any()
+    assert set(np.unique(origin[usable, 5])) == ({0, 1} if mirror else {0})
+    for channel in range(3):
+        found = map_coordinates(PICTURE[..., channel], [origin[..., 1], origin[..., 2]], order=1, mode="nearest")
+        np.testing.assert_allclose(atlas.picture[usable, channel], found[usable], atol=0.03)
+
+
+def test_scale_is_that_of_the_origin_times_the_resampling():
+    atlas = resampled_atlas()
+    found = map_coordinates(SCALE, [atlas.origin[..., 1], atlas.origin[..., 2]], order=1) * 2 ** atlas.origin[..., 3]
+    np.testing.assert_allclose(atlas.scale[atlas.usable], found[atlas.usable], rtol=0.02)
+
+
+def test_copies_serve_where_scales_are_short():
+    """Elements shrink with the scale, so the exemplar's larger half has the fewer: copies have that scale only."""
+    atlas = resampled_atlas()
+    copies = atlas.usable & (atlas.origin[..., 3] != 0)
+    assert atlas.scale[copies].min() > 0.85
+    assert (atlas.origin[copies, 3] > 0).mean() > 0.5
+
+
+def test_scales_that_the_exemplar_lacks_are_made():
+    atlas = resampled_atlas(target=SCALE * 1.4)
+    assert atlas.scale[atlas.usable].max() > 2.5
+
+
+@pytest.mark.parametrize("mirror", [False, True])
+def test_the_exemplar_itself_comes_first_and_copies_keep_apart(mirror):
+    atlas = resampled_atlas(mirror=mirror)
+    np.testing.assert_array_equal(atlas.picture[:40, :50], PICTURE)
+    assert atlas.usable[:40, :50].all()
+    filled = np.flatnonzero(atlas.usable.any(axis=1))
+    kinds = [tuple(atlas.origin[row, atlas.usable[row].argmax(), [3, 5]]) for row in filled]
+    gaps = [
+        below - above
+        for above, below, one, other in zip(filled, filled[1:], kinds, kinds[1:], strict=False)
+        if one != other
+    ]
+    assert len(gaps) >= 3
+    assert min(gaps) > 16
+
+
+def test_mirror_alone():
+    usable = RNG.random((40, 50)) < 0.8
+    atlas = enlarged(original(PICTURE, None, usable), None, mirror=True, largest=1.0, unit=4)
+    assert atlas.scale is None
+    assert atlas.usable.sum() == 2 * usable.sum()
+    np.testing.assert_array_equal(atlas.picture[-40:], PICTURE[:, ::-1])
+    np.testing.assert_array_equal(atlas.usable[-40:], usable[:, ::-1])
