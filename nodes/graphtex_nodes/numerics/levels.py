@@ -98,6 +98,11 @@ def plan(
     return fitting(result, masks)
 
 
+def eased(stages: Sequence[Stage], divisor: int) -> list[Stage]:
+    """The stages with their iterations divided, rounded up."""
+    return [Stage(stage.level, stage.window, -(-stage.iterations // divisor)) for stage in stages]
+
+
 def fitting(stages: Sequence[Stage], usable: Sequence[NDArray[np.bool_]]) -> list[Stage]:
     """Stages for an exemplar of which only some pixels are usable: ``usable`` masks of its levels, the finest first.
 

@@ -39,6 +39,11 @@ Mirror = Annotated[bool, Field(description="whether mirror images of the exempla
 Largest = Annotated[
     float, Field(ge=1, le=4, description="how far copies are enlarged or shrunk where scales are short; 1 = never")
 ]
+Quality = Annotated[
+    Literal["default", "fast", "preview"], Field(description="fast: fewer iterations; preview: fewer still")
+]
+EFFORT = {"default": (1, 2), "fast": (2, 1), "preview": (4, 1)}
+"""What iterations are divided by (rounded up), and how many passes a search has."""
 
 
 class Synthesis(NamedTuple):
@@ -76,6 +81,7 @@ def optimize(
     tileable: Sides = "none",
     mirror: Mirror = False,
     resample: Largest = 1.0,
+    quality: Quality = "default",
     rng: Rng = 0,
     ctx: Context = QUIET,
 ) -> Synthesis:
@@ -137,6 +143,8 @@ def optimize(
         ``source`` tells both; its rows and columns may then lie between pixels. ``resample=1.3`` makes near rows repeat
         visibly less; larger ones bring the foreshortening of other distances. A picture and its mirror image join
         without a seam, so ``mirror`` may leave symmetric places.
+    quality
+        ``fast`` halves iterations and the passes of a search, ``preview`` leaves a quarter of the iterations.
 
     Returns
     -------
@@ -187,8 +195,9 @@ def optimize(
     wrap = (tileable in ("y", "both"), tileable in ("x", "both"))
     problem = pose(stock.picture, size, scales, ctx, usable=stock.usable, start=start, known=known, wrap=wrap)
     own = problem.exemplar[: exemplar.shape[0], : exemplar.shape[1]]
-    plan = plans.plan(own, problem.usable, levels, windows, iterations)
-    settings = Settings(exponent=exponent, histogram=histogram, evenness=evenness, variance=variance, detail=detail)
+    fewer, passes = EFFORT[quality]
+    plan = plans.eased(plans.plan(own, problem.usable, levels, windows, iterations), fewer)
+    settings = Settings(exponent, histogram, evenness, variance, detail, passes)
     result = synthesise(problem, plan, settings, rng, ctx)
     if vote == "mean":
         image, source = result.image[..., : exemplar.shape[2]], result.source
