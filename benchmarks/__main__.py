@@ -8,7 +8,7 @@ from pathlib import Path
 
 from benchmarks.figures import Figure, table
 
-GROUPS = ("engine", "perspective", "plain", "speed")
+GROUPS = ("engine", "perspective", "plain", "speed", "completion")
 WITH_TEXTURES = {"plain"}  # groups that can measure the user's own pictures
 
 
