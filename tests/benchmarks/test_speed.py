@@ -24,4 +24,4 @@ def test_measure_reads_the_last_line(monkeypatch):
     monkeypatch.setattr(speed.subprocess, "run", run)
     assert speed.measure("clock", 2, EXTRA="x") == {"default": 1.5}
     assert seen["command"][-2:] == ["clock", "2"]
-    assert (seen["env"]["OMP_NUM_THREADS"], seen["env"]["EXTRA"]) == ("2", "x")
+    assert (seen["env"]["OMP_NUM_THREADS"], seen["env"]["EXTRA"]) == ("1", "x")
