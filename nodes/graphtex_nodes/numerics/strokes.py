@@ -32,9 +32,11 @@ class Measured(BaseModel):
     def places(self, points: Array, width: int, height: int) -> Array:
         """Pixel coordinates (n, 2) on a picture of width x height."""
         if self.units == "relative":
-            return points * np.array([width, height]) - 0.5
-        drawn = self.size or (width, height)
-        return (points + 0.5) * np.array([width / drawn[0], height / drawn[1]]) - 0.5
+            placed: Array = points * np.array([width, height]) - 0.5
+        else:
+            drawn = self.size or (width, height)
+            placed = (points + 0.5) * np.array([width / drawn[0], height / drawn[1]]) - 0.5
+        return placed
 
     def length(self, value: float, width: int, height: int) -> float:
         """A length in pixels of a picture of width x height."""
