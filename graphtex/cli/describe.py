@@ -157,7 +157,7 @@ def sample(schema: Mapping[str, Any], models: Mapping[str, Any]) -> Any:
         return {key: sample(field, models) for key, field in model.get("properties", {}).items() if key in wanted}
     for key in ("anyOf", "oneOf", "allOf"):
         if key in schema:
-            return sample(schema[key][0], models)
+            return _tagged(schema, sample(schema[key][0], models))
     if "enum" in schema or "const" in schema:
         return schema["enum"][0] if "enum" in schema else schema["const"]
     kind = schema.get("type")
@@ -168,6 +168,16 @@ def sample(schema: Mapping[str, Any], models: Mapping[str, Any]) -> Any:
     if kind in ("integer", "number"):
         return _sample_number(schema)
     return {"boolean": True, "null": None, "object": {}}.get(str(kind), "file.txt" if "format" in schema else "text")
+
+
+def _tagged(schema: Mapping[str, Any], value: Any) -> Any:
+    """Add the tag by which a union is told apart, though the model itself gives it a default."""
+    union = schema.get("discriminator", {})
+    if not union:
+        return value
+    first = schema["oneOf"][0]["$ref"]
+    tag = next(tag for tag, reference in union["mapping"].items() if reference == first)
+    return {union["propertyName"]: tag, **value}
 
 
 def _sample_number(schema: Mapping[str, Any]) -> int | float:

@@ -128,6 +128,9 @@ def test_kinds(schema: dict[str, Any], words: str) -> None:
     assert sorted(kind_of(schema, models).split(", ")) == sorted(words.split(", "))
 
 
+TAGGED = {"propertyName": "is", "mapping": {"line": "#/$defs/Line", "dot": "#/$defs/Dot"}}
+
+
 @pytest.mark.parametrize(
     ("schema", "value"),
     [
@@ -138,6 +141,7 @@ def test_kinds(schema: dict[str, Any], words: str) -> None:
         ({"enum": ["a", "b"]}, "a"),
         ({"type": "boolean"}, True),
         ({"$ref": "#/$defs/Dot"}, {"x": 0}),
+        ({"oneOf": [{"$ref": "#/$defs/Dot"}], "discriminator": TAGGED}, {"is": "dot", "x": 0}),
         ({"type": "array", "items": {"type": "boolean"}, "minItems": 2}, [True, True]),
     ],
 )
