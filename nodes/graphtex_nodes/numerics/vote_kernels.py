@@ -8,42 +8,47 @@ from graphtex_nodes.numerics.jit import kernel
 
 
 @kernel(
-    "const i4[:,:,:], const f4[:,:], const f4[:,:,:], const f4[:,:], const f4[:,:], i8, const u1[:,:], f4[:,:,:], "
-    "i8, i8, i8",
+    "const i4[:,:,:], const f4[:,:], const f4[:,:,:], const f4[:,:], i8, const u1[:,:], f4[:,:,:], i8, i8",
     fastmath={"contract"},
 )
-def vote_mean(field, weights, exemplar, pixel_weights, falloff, step, known, image, channels, first, stop):
+def vote_mean(field, weights, weighted, falloff, step, known, image, first, stop):
     """Weighted mean of the exemplar pixels that the covering windows propose, for rows ``first <= y < stop``.
 
-    The weight is that of the window (``weights``, as the field), times that of the exemplar's pixel
-    (``pixel_weights``, as the exemplar), times that of the place in the window (``falloff``). Only the first
-    ``channels`` channels of ``image`` are written, and of its pixels those that are not ``known``.
+    ``weighted`` (h, w, channels + 1) are the exemplar's pixels times their weights, and in the last channel the weights
+    themselves: windows then add whole rows of memory to sums of a line of the image. Further factors are the weight of
+    the window (``weights``, as the field) and that of the place in the window (``falloff``). The first ``channels``
+    channels of ``image`` are written where it is not ``known``.
     """
     window = falloff.shape[0]
     rows, columns = field.shape[0], field.shape[1]
+    width, depth = image.shape[1], weighted.shape[2]
+    span = window * depth
+    sums = np.empty(width * depth, np.float32)
+    flat = weighted.reshape(weighted.shape[0], weighted.shape[1] * depth)
+    line = np.empty(span, np.float32)
+    unknown = np.zeros(width + 1, np.int64)
     for y in range(first, stop):
-        row_low = max(0, (y - window + step) // step)
-        row_high = min(rows - 1, y // step)
-        for x in range(image.shape[1]):
-            column_low = max(0, (x - window + step) // step)
-            column_high = min(columns - 1, x // step)
-            if known[y, x]:
-                continue
-            total = np.float32(0)
-            for c in range(channels):
-                image[y, x, c] = 0
-            for row in range(row_low, row_high + 1):
-                dy = y - row * step
-                for column in range(column_low, column_high + 1):
-                    dx = x - column * step
-                    ey = field[row, column, 0] + dy
-                    ex = field[row, column, 1] + dx
-                    weight = weights[row, column] * pixel_weights[ey, ex] * falloff[dy, dx]
-                    total += weight
-                    for c in range(channels):
-                        image[y, x, c] += weight * exemplar[ey, ex, c]
-            for c in range(channels):
-                image[y, x, c] /= total
+        for x in range(width):
+            unknown[x + 1] = unknown[x] + (known[y, x] == 0)
+        if unknown[width] == 0:
+            continue
+        sums[:] = 0
+        for row in range(max(0, (y - window + step) // step), min(rows - 1, y // step) + 1):
+            dy = y - row * step
+            for t in range(span):
+                line[t] = falloff[dy, t // depth]
+            for column in range(columns):
+                if unknown[column * step + window] == unknown[column * step]:
+                    continue
+                weight = weights[row, column]
+                proposal = flat[field[row, column, 0] + dy, field[row, column, 1] * depth :]
+                total = sums[column * step * depth :]
+                for t in range(span):
+                    total[t] += weight * line[t] * proposal[t]
+        for x in range(width):
+            if not known[y, x]:
+                for c in range(depth - 1):
+                    image[y, x, c] = sums[x * depth + c] / sums[x * depth + depth - 1]
 
 
 @kernel(

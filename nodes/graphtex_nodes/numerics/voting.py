@@ -42,13 +42,12 @@ def vote_mean(
     ``known`` (h, w) stay; None = none.
     """
     flags = _flags(known, image)
+    weighted = np.concatenate([exemplar[..., :channels] * pixel_weights[..., None], pixel_weights[..., None]], axis=-1)
 
     def band(first: int, stop: int) -> None:
-        vote_kernels.vote_mean(
-            field, weights, exemplar, pixel_weights, falloff, step, flags, image, channels, first, stop
-        )  # fmt: skip
+        vote_kernels.vote_mean(field, weights, weighted, falloff, step, flags, image, first, stop)
 
-    for_rows(band, image.shape[0], image.shape[1] * (len(falloff) / step) ** 2 * (5 + channels), work)
+    for_rows(band, image.shape[0], image.shape[1] * (len(falloff) / step) ** 2 * (1 + channels) / 4, work)
 
 
 def vote_source(

@@ -26,7 +26,8 @@ def project(image, channels, window, step, basis, offset, wanted, out, first, st
 
     ``image`` is (h, w * channels), ``basis`` (k, window * window * channels), ``offset`` (k): what to subtract, the
     coordinates of the mean. ``out`` (rows, columns, k): the window whose corner is at (step * row, step * column).
-    Four windows at a time share each load of the basis; fours of which none is ``wanted`` (rows, columns) are left out.
+    Four windows and two directions at a time share each load, so k must be even. Fours of windows of which none is
+    ``wanted`` (rows, columns) are left out.
     """
     span = window * channels
     size = window * span
@@ -42,16 +43,24 @@ def project(image, channels, window, step, basis, offset, wanted, out, first, st
                 for y in range(window):
                     for t in range(span):
                         windows[number, y * span + t] = image[row * step + y, start + t]
-            for k in range(basis.shape[0]):
-                direction = basis[k]
-                sums = (np.float32(0), np.float32(0), np.float32(0), np.float32(0))
+            for k in range(0, basis.shape[0], 2):
+                left = basis[k]
+                right = basis[k + 1]
+                zero = np.float32(0)
+                sums = (zero, zero, zero, zero, zero, zero, zero, zero)
                 for t in range(size):
-                    value = direction[t]
+                    a = left[t]
+                    b = right[t]
                     sums = (
-                        sums[0] + one[t] * value,
-                        sums[1] + two[t] * value,
-                        sums[2] + three[t] * value,
-                        sums[3] + four[t] * value,
+                        sums[0] + one[t] * a,
+                        sums[1] + two[t] * a,
+                        sums[2] + three[t] * a,
+                        sums[3] + four[t] * a,
+                        sums[4] + one[t] * b,
+                        sums[5] + two[t] * b,
+                        sums[6] + three[t] * b,
+                        sums[7] + four[t] * b,
                     )
                 for number in range(count):
                     out[row, column + number, k] = sums[number] - offset[k]
+                    out[row, column + number, k + 1] = sums[number + 4] - offset[k + 1]

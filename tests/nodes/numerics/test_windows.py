@@ -19,8 +19,8 @@ def test_grid_covers(size, expected):
 def test_projection_is_a_matrix_product(step):
     """Second method: gather the windows and multiply."""
     image = RNG.random((13, 11, 2)).astype(np.float32)
-    directions = RNG.standard_normal((4 * 4 * 2, 3)).astype(np.float32)
-    mean = RNG.standard_normal(3).astype(np.float32)
+    directions = RNG.standard_normal((4 * 4 * 2, 6)).astype(np.float32)
+    mean = RNG.standard_normal(6).astype(np.float32)
     views = np.lib.stride_tricks.sliding_window_view(image, (4, 4), axis=(0, 1))[::step, ::step]
     windows = np.moveaxis(views, 2, -1).reshape(*views.shape[:2], -1)
     found = Basis(4, directions, mean).project(image, step, Quiet())
