@@ -17,7 +17,9 @@ from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.exemplars.sample import sample
 from graphtex_nodes.image.exemplars.sample_mask import sample_mask
+from graphtex_nodes.image.exemplars.sample_texture import sample_texture
 from graphtex_nodes.image.exemplars.sand import sand
+from graphtex_nodes.image.exemplars.textons import textons
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.image.load import load_image, load_mask, load_scale
 from graphtex_nodes.image.load_data import (
@@ -69,6 +71,7 @@ __all__ = [
     "resize_scale",
     "sample",
     "sample_mask",
+    "sample_texture",
     "sand",
     "scale_edit",
     "scale_from_angles",
@@ -77,6 +80,7 @@ __all__ = [
     "select_map",
     "split_maps",
     "stack_maps",
+    "textons",
     "view_scale",
     "woven_cloth",
 ]

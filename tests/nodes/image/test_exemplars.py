@@ -10,7 +10,7 @@ from graphtex.sockets import find_type
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
-from graphtex_nodes.image.exemplars.sample import NAMES, PHOTOGRAPHS, sample
+from graphtex_nodes.image.exemplars.sample import ELEMENTS, NAMES, PHOTOGRAPHS, sample
 from graphtex_nodes.image.exemplars.sand import sand
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.numerics.plane import photograph, seen_plane
@@ -186,7 +186,7 @@ def test_samples_need_no_network(monkeypatch):
 @pytest.mark.parametrize("name", sorted(set(NAMES) - set(PHOTOGRAPHS)))
 def test_drawn_samples(name):
     image = sample(name=name)
-    assert image.shape == (256, 256, 3)
+    assert image.shape == ((192, 192, 3) if name in ELEMENTS else (256, 256, 3))
     assert image.std() > 0.05
 
 

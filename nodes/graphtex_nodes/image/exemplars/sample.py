@@ -14,7 +14,20 @@ from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.exemplars.sand import sand
+from graphtex_nodes.image.exemplars.textons import textons
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
+
+_small = partial(textons, width=192, height=192)
+ELEMENTS: Mapping[str, Callable[..., Any]] = {
+    "berries": partial(_small, size=24.0, arrangement="hexagonal", spacing=0.97, jitter=0.03, rng=21),
+    "blossoms": partial(_small, form="flower", arrangement="random", spacing=1.05, turn=36.0, rng=22),
+    "leaves": partial(
+        _small, form="leaf", size=34.0, arrangement="hexagonal", spacing=1.1, jitter=0.1, turn=40.0, rng=23
+    ),
+    "oranges": partial(_small, jitter=0.08, rng=24),
+    "tiles": partial(_small, form="tile", size=40.0, arrangement="brick", spacing=1.12, proportion=0.45, rng=25),
+}
+"""Textures of separate elements, 192 x 192 in colour, with the truth about them."""
 
 GENERATED: Mapping[str, Callable[..., Any]] = {
     "pebbles": partial(pebbles, slant=55.0, rng=1),
@@ -29,12 +42,12 @@ GENERATED: Mapping[str, Callable[..., Any]] = {
     "sand": partial(sand, slant=50.0, rng=10),
     "sand-flat": partial(sand, rng=11),
 }
-"""Samples that are drawn, 256 x 256 in colour."""
+"""Samples of surfaces, 256 x 256 in colour."""
 
 PHOTOGRAPHS = ("brick", "grass", "gravel")
 """Grey photographs, 512 x 512, that scikit-image's wheel brings (CC0)."""
 
-NAMES = tuple(sorted((*GENERATED, *PHOTOGRAPHS)))
+NAMES = tuple(sorted((*ELEMENTS, *GENERATED, *PHOTOGRAPHS)))
 
 
 def _known(name: str) -> str:
@@ -56,13 +69,14 @@ def sample(
 
     ``pebbles``, ``paving``, ``flowers`` and ``sand`` are planes in perspective; ``pebbles-flat``, ``flowers-flat``,
     ``sand-flat``, ``bricks``, ``cloth`` and ``twill`` are face on, ``bricks-wall`` from the side. They are drawn by
-    the nodes of their names with a fixed seed, 256 x 256, in colour. ``brick``, ``grass`` and ``gravel`` are grey
-    photographs of 512 x 512 pixels from scikit-image.
+    the nodes of their names with a fixed seed, 256 x 256, in colour. ``berries``, ``blossoms``, ``leaves``, ``oranges``
+    and ``tiles`` are separate elements that `Textons` draws, 192 x 192, in colour. ``brick``, ``grass``
+    and ``gravel`` are grey photographs of 512 x 512 pixels from scikit-image.
 
     Returns
     -------
     Image
-        (256, 256, 3) or (512, 512, 1), sRGB-encoded in [0, 1].
+        (256, 256, 3), (192, 192, 3) or (512, 512, 1), sRGB-encoded in [0, 1].
 
     Raises
     ------
@@ -71,7 +85,7 @@ def sample(
     """
     if name in PHOTOGRAPHS:
         return _photograph(name)
-    image: NDArray[Any] = GENERATED[name](ctx=ctx).image
+    image: NDArray[Any] = {**ELEMENTS, **GENERATED}[name](ctx=ctx).image
     return image
 
 
