@@ -41,8 +41,11 @@ from graphtex_nodes.perspective.scale_edit import scale_edit
 from graphtex_nodes.perspective.scale_from_angles import scale_from_angles
 from graphtex_nodes.perspective.scale_pattern import scale_from_image, scale_pattern
 from graphtex_nodes.perspective.view_scale import view_scale
+from graphtex_nodes.splicing.appearance_vectors import appearance_vectors
+from graphtex_nodes.splicing.self_similarity import self_similarity
 
 __all__ = [
+    "appearance_vectors",
     "bricks",
     "complete",
     "contact_sheet",
@@ -78,6 +81,7 @@ __all__ = [
     "scale_from_image",
     "scale_pattern",
     "select_map",
+    "self_similarity",
     "split_maps",
     "stack_maps",
     "textons",

@@ -145,11 +145,13 @@ def _sample(image: Array, window: int, allowed: NDArray[np.bool_] | None) -> Arr
     return np.ascontiguousarray(np.moveaxis(views[places // columns, places % columns], 1, -1), np.float32)
 
 
-def leading_directions(covariance: NDArray[np.float64], variance: float, largest: int = 48) -> NDArray[np.float64]:
+def leading_directions(
+    covariance: NDArray[np.float64], variance: float, largest: int = 48, rounds: int = ROUNDS
+) -> NDArray[np.float64]:
     """Orthonormal columns that keep the wanted share of a covariance, by orthogonal iteration.
 
     At least one column, at most ``largest``. Columns come in the order of falling variance but need not be the
-    eigenvectors themselves: distances within their span are the same.
+    eigenvectors themselves unless there are many rounds: distances within their span are the same.
     """
     size = len(covariance)
     columns = min(size, largest)
@@ -160,7 +162,7 @@ def leading_directions(covariance: NDArray[np.float64], variance: float, largest
     basis += np.cos(np.outer(np.arange(1, size + 1), np.arange(1, columns + 1)) * 2.399963) / size
     if trace <= 0:
         return _orthonormal(basis[:, :1])
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         basis = _orthonormal(np.einsum("ij,jk->ik", covariance, basis))
     basis = _orthonormal(basis)  # a second time: rounding left columns of unlike size a little aslant
     kept = (basis * np.einsum("ij,jk->ik", covariance, basis)).sum(axis=0)
