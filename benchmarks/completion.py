@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import graphtex_nodes
 from benchmarks import peers
 from benchmarks.figures import Figure
-from graphtex_nodes import bricks, complete, contact_sheet, pebbles, woven_cloth
+from graphtex_nodes import bricks, complete, contact_sheet, exemplar_inpaint, pebbles, woven_cloth
 from graphtex_nodes.image.save import save_image
 from graphtex_nodes.numerics.measures import element_sizes, patch_distance
 
@@ -38,10 +37,10 @@ class Case:
 
 def figures(pictures: Path | None) -> Iterator[Figure]:
     """Fill ten holes with every tool there is."""
-    tools: dict[str, Callable[[Array, Array, int], Array]] = {"graphtex": ours}
-    baseline = getattr(graphtex_nodes, "exemplar_inpaint", None)
-    if baseline is not None:
-        tools["ExemplarInpaint"] = lambda picture, hole, seed: filled(baseline(picture, hole))
+    tools: dict[str, Callable[[Array, Array, int], Array]] = {
+        "graphtex": lambda picture, hole, seed: complete(picture, hole, rng=seed).image,
+        "ExemplarInpaint": lambda picture, hole, seed: exemplar_inpaint(picture, hole).image,
+    }
     others = peers.fillers()
     if not others:
         print("no tool for holes is installed (pip install 'graphtex[bench]')", file=sys.stderr)
@@ -79,17 +78,6 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
         for name, other in values.items():
             bound = "" if share is None else f"<= {share * other:.4g}"
             yield Figure(f"{measure} in holes, beside {name}'s", mine, bound, other)
-
-
-def ours(picture: Array, hole: Array, seed: int) -> Array:
-    """Fill with Complete and nothing else told."""
-    return filled(complete(picture, hole, rng=seed))
-
-
-def filled(result: Any) -> Array:
-    """The picture of a node's result."""
-    image: Array = getattr(result, "image", result)
-    return image
 
 
 def cases() -> list[Case]:

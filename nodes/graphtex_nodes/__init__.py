@@ -33,6 +33,7 @@ from graphtex_nodes.image.load_data import (
 )
 from graphtex_nodes.image.maps import select_map, split_maps, stack_maps
 from graphtex_nodes.perspective.complete import complete
+from graphtex_nodes.perspective.exemplar_inpaint import exemplar_inpaint
 from graphtex_nodes.perspective.feature_mask import feature_mask
 from graphtex_nodes.perspective.feature_scale import feature_scale
 from graphtex_nodes.perspective.optimize import optimize
@@ -49,6 +50,7 @@ __all__ = [
     "bricks",
     "complete",
     "contact_sheet",
+    "exemplar_inpaint",
     "feature_mask",
     "feature_scale",
     "flowers",

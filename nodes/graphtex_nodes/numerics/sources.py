@@ -16,6 +16,11 @@ def source_map(source: NDArray[np.integer]) -> Array:
     return result
 
 
+def own_places(shape: tuple[int, ...]) -> Array:
+    """Source map (h, w, 6) of a picture that nothing was done to."""
+    return source_map(np.moveaxis(np.indices(shape), 0, -1))
+
+
 def replay(source: Array, exemplar: Array) -> Array:
     """The picture that a source map (h, w, 6) of plain copies makes of an exemplar (eh, ew, c)."""
     rows = source[..., ROW].astype(np.intp)

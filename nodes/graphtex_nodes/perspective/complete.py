@@ -94,13 +94,15 @@ def complete(
     >>> bool(np.abs(complete(stripes, hole).image - stripes).max() < 0.01)
     True
     """
+    from graphtex_nodes.numerics.sources import own_places
+
     if hole.all():
         raise ValueError(f"hole: expected some pixels outside it, got all of shape {hole.shape}")
     if continuation == "given" and scale is None:
         raise ValueError("scale: expected a map to take as given, got none")
     if not hole.any():
         every = np.ones(hole.shape, np.float32)
-        return Completion(photo.copy(), every if scale is None else scale.copy(), _own_places(hole.shape))
+        return Completion(photo.copy(), every if scale is None else scale.copy(), own_places(hole.shape))
     usable = ~hole if source is None else source & ~hole
     if not usable.any():
         raise ValueError(f"source: expected some pixels outside the hole, got none in shape {hole.shape}")
@@ -128,17 +130,10 @@ def complete(
     plan = levels.plan(problem.exemplar, problem.usable, 0, (), iterations)
     result = synthesise(problem, plan, Settings(histogram=histogram, evenness=evenness), rng, ctx)
     filled, found = seams.finish(problem, result, fade=True, work=ctx)
-    image, places, part = photo.copy(), _own_places(hole.shape), hole[box]
+    image, places, part = photo.copy(), own_places(hole.shape), hole[box]
     image[hole] = filled[part]
     places[hole, 1:3] = found[part] + np.array([taken[0].start or 0, taken[1].start or 0])
     return Completion(image, scales, places)
-
-
-def _own_places(shape: tuple[int, ...]) -> Array:
-    """The source map of a picture that nothing was done to."""
-    places = np.zeros((*shape, 6), np.float32)
-    places[..., 1], places[..., 2] = np.mgrid[: shape[0], : shape[1]]
-    return places
 
 
 def _around(mask: Array, reach: int) -> Box:

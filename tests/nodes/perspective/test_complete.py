@@ -10,31 +10,13 @@ from graphtex_nodes.image.exemplars.sample_mask import sample_mask
 from graphtex_nodes.numerics.continuation import continued, fitted_plane
 from graphtex_nodes.numerics.parallel import Quiet
 from graphtex_nodes.perspective.complete import complete
+from tests.nodes.perspective.holes import KINDS, hole_of
 
 QUIET = Context(threads=1)
 RNG = np.random.default_rng(3)
 NOISE = RNG.random((40, 50, 3)).astype(np.float32)
 ROW, COLUMN = np.mgrid[:40, :50]
 SLOPE = (0.5 + ROW * 0.02 + COLUMN * 0.01).astype(np.float32)
-
-
-def hole_of(kind):
-    hole = np.zeros((40, 50), bool)
-    if kind == "pixel":
-        hole[7, 9] = True
-    elif kind == "corner":
-        hole[:12, :9] = True
-    elif kind == "row":
-        hole[20] = True
-    elif kind == "frame":
-        hole[:] = True
-        hole[10:30, 12:40] = False
-    elif kind == "sprinkled":
-        hole = RNG.random((40, 50)) < 0.5
-    else:
-        hole[:] = True
-        hole[3, 4] = hole[30, 44] = False
-    return hole
 
 
 @cache
@@ -74,7 +56,7 @@ def test_seam_does_not_show():
     assert down[border].mean() < 1.2 * down[~hole[1:] & ~border].mean()
 
 
-@pytest.mark.parametrize("kind", ["pixel", "corner", "row", "frame", "sprinkled", "nearly all"])
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("scale", [None, SLOPE])
 @pytest.mark.parametrize("continuation", ["plane", "harmonic"])
 def test_any_hole(kind, scale, continuation):
