@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from graphtex.parameters import FilePath
     from graphtex.run import RunResult, run
     from graphtex.sockets import (
+        AngleMap,
         ArrayType,
         Axes,
         Directions,
@@ -41,6 +42,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "QUIET",
+    "AngleMap",
     "ArrayType",
     "Axes",
     "Cancelled",
@@ -88,7 +90,7 @@ _HOMES = {
     "graphtex.node": "Node node",
     "graphtex.parameters": "FilePath",
     "graphtex.run": "RunResult run",
-    "graphtex.sockets": "ArrayType Axes Directions Displacement Elements Gap Image LabelMap Mask "
+    "graphtex.sockets": "AngleMap ArrayType Axes Directions Displacement Elements Gap Image LabelMap Mask "
     "Number Points ScaleMap SourceMap Texture Vector Views ViewStack struct_type",
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names.split()}

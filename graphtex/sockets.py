@@ -15,6 +15,7 @@ from graphtex.kinds import TYPES, ArrayType, NumberType, SocketType, StructType,
 
 __all__ = [
     "TYPES",
+    "AngleMap",
     "ArrayType",
     "Axes",
     "Directions",
@@ -132,6 +133,13 @@ ScaleMap: TypeAlias = Annotated[
     NDArray[Any],
     ArrayType("ScaleMap", "relative texel scale, 1 = undistorted", "float32", ("h", "w"), _SIDES, 1 / 8, 8.0),
 ]
+AngleMap: TypeAlias = Annotated[
+    NDArray[Any],
+    ArrayType(
+        "AngleMap", "direction of each pixel's texels in degrees, clockwise; 0 points right", "float32", ("h", "w"),
+        _SIDES, -360.0, 360.0,
+    ),
+]  # fmt: skip
 LabelMap: TypeAlias = Annotated[
     NDArray[Any], ArrayType("LabelMap", "which source each pixel comes from", "int32", ("h", "w"), _SIDES)
 ]

@@ -10,6 +10,7 @@ TYPE_COLOURS = {  # on light ground, on dark ground
     "Image": ("#1769aa", "#6cb6ff"),
     "Mask": ("#6b4fbb", "#b9a5ff"),
     "ScaleMap": ("#b45309", "#f2a65a"),
+    "AngleMap": ("#5f7161", "#a9c4ac"),
     "LabelMap": ("#2e7d32", "#7cc983"),
     "Points": ("#c2255c", "#ff8fb3"),
     "Displacement": ("#0b7a75", "#4fd1c5"),

@@ -5,6 +5,7 @@ from graphtex_nodes.image import views as _views  # noqa: F401 (registers the vi
 from graphtex_nodes.image.contact_sheet import contact_sheet
 from graphtex_nodes.image.convert import (
     grey,
+    image_from_angles,
     image_from_displacement,
     image_from_labels,
     image_from_mask,
@@ -23,6 +24,7 @@ from graphtex_nodes.image.exemplars.textons import textons
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.image.load import load_image, load_mask, load_scale
 from graphtex_nodes.image.load_data import (
+    load_angles,
     load_displacement,
     load_elements,
     load_labels,
@@ -37,6 +39,7 @@ from graphtex_nodes.perspective.exemplar_inpaint import exemplar_inpaint
 from graphtex_nodes.perspective.feature_mask import feature_mask
 from graphtex_nodes.perspective.feature_scale import feature_scale
 from graphtex_nodes.perspective.optimize import optimize
+from graphtex_nodes.perspective.replay import replay
 from graphtex_nodes.perspective.resize_scale import resize_scale
 from graphtex_nodes.perspective.scale_edit import scale_edit
 from graphtex_nodes.perspective.scale_from_angles import scale_from_angles
@@ -55,10 +58,12 @@ __all__ = [
     "feature_scale",
     "flowers",
     "grey",
+    "image_from_angles",
     "image_from_displacement",
     "image_from_labels",
     "image_from_mask",
     "image_from_source",
+    "load_angles",
     "load_displacement",
     "load_elements",
     "load_image",
@@ -73,6 +78,7 @@ __all__ = [
     "optimize",
     "pebbles",
     "pick_channels",
+    "replay",
     "resize_scale",
     "sample",
     "sample_mask",

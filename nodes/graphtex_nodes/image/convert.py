@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from graphtex import Displacement, Image, LabelMap, Mask, SourceMap, node
+from graphtex import AngleMap, Displacement, Image, LabelMap, Mask, SourceMap, node
 from graphtex_nodes.image import views
 from graphtex_nodes.image.files.colour import decode_srgb, encode_srgb
 
@@ -114,6 +114,12 @@ def image_from_mask(mask: Mask) -> Image:
 def image_from_labels(labels: LabelMap) -> Image:
     """Picture of a label map: a colour for each label."""
     return _floats(views.view_labels(labels))
+
+
+@node
+def image_from_angles(angles: AngleMap) -> Image:
+    """Picture of an angle map: hue is the direction, right red and left cyan."""
+    return _floats(views.view_angles(angles))
 
 
 @node

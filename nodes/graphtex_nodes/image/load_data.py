@@ -8,7 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from graphtex import Displacement, Elements, FilePath, LabelMap, Points, SourceMap, Texture, ViewStack, node, opener
+from graphtex import (
+    AngleMap,
+    Displacement,
+    Elements,
+    FilePath,
+    LabelMap,
+    Points,
+    SourceMap,
+    Texture,
+    ViewStack,
+    node,
+    opener,
+)
 from graphtex_nodes.image.files.decode import decode, load_npy
 from graphtex_nodes.image.save import DATA_SUFFIXES
 
@@ -52,6 +64,13 @@ def _palette_indices(path: Path) -> NDArray[np.uint8] | None:
 def load_displacement(*, path: File) -> Displacement:
     """Read the shift (x, y) of each pixel from two channels."""
     return _channels(path, 2, "a displacement")
+
+
+@opener(AngleMap, suffixes=DATA_SUFFIXES)
+@node
+def load_angles(*, path: File) -> AngleMap:
+    """Read the direction of each pixel, degrees clockwise from right, from one channel."""
+    return _channels(path, 1, "an angle map")[..., 0]
 
 
 @opener(SourceMap, suffixes=DATA_SUFFIXES)

@@ -1,17 +1,23 @@
 """Material maps as channels of one picture, so that one synthesis makes them all, and back."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Context, Image, node
+from graphtex_nodes.numerics.materials import (
+    CHANNELS,
+    UP,
+    MapKind,
+    map_slices,
+    require_channels,
+    total_channels,
+    unit_normals,
+)
 
-MapKind = Literal["colour", "colour+alpha", "normal", "scalar"]
-CHANNELS: dict[str, int] = {"colour": 3, "colour+alpha": 4, "normal": 3, "scalar": 1}
 MOST_CHANNELS = 16
-_UNIT_WITHIN = 0.01  # rounding to 8 bits moves a normal's length by up to 0.7 %
 
 Kinds = Annotated[
     list[MapKind], Field(min_length=1, max_length=MOST_CHANNELS, description="what each map is, in order")
@@ -32,10 +38,11 @@ def stack_maps(maps: list[Image], *, kinds: Kinds, ctx: Context = QUIET) -> Imag
     Parameters
     ----------
     maps
-        Pictures of one size. ``colour`` has 3 channels, ``colour+alpha`` 4, ``normal`` 3, ``scalar`` 1; load maps
-        that are not colour with ``encoding: raw``.
+        Pictures of one size. ``colour`` has 3 channels, ``colour+alpha`` 4, ``normal`` and ``normal-down`` 3,
+        ``scalar`` 1; load maps that are not colour with ``encoding: raw``.
     kinds
-        One for each map. A normal is a unit vector encoded as (n + 1) / 2.
+        One for each map. A normal is a unit vector encoded as (n + 1) / 2, its first component pointing to the right
+        and its second one up (as OpenGL has it), or down in ``normal-down`` (as DirectX has it).
 
     Returns
     -------
@@ -56,9 +63,9 @@ def stack_maps(maps: list[Image], *, kinds: Kinds, ctx: Context = QUIET) -> Imag
         if image.shape[2] != CHANNELS[kind]:
             hint = "; Grey makes one channel of it" if kind == "scalar" else ""
             raise ValueError(f"maps[{i}]: {kind} has {CHANNELS[kind]} channels, got {image.shape[2]}{hint}")
-        if kind == "normal":
+        if kind in UP:
             _warn_of_no_normals(f"maps[{i}]", image, ctx)
-    total = _total(kinds)
+    total = total_channels(kinds)
     if total > MOST_CHANNELS:
         raise ValueError(f"maps: an Image has up to {MOST_CHANNELS} channels, got {total} in all")
     return np.concatenate(maps, axis=2)
@@ -104,23 +111,10 @@ def select_map(
     return _extract(image, kinds, index, renormalise)
 
 
-def _total(kinds: list[MapKind]) -> int:
-    return sum(CHANNELS[kind] for kind in kinds)
-
-
 def _extract(image: NDArray[np.float32], kinds: list[MapKind], index: int, renormalise: bool) -> NDArray[np.float32]:
-    if _total(kinds) != image.shape[2]:
-        raise ValueError(f"kinds: {' + '.join(kinds)} are {_total(kinds)} channels, the picture has {image.shape[2]}")
-    start = _total(kinds[:index])
-    part = image[..., start : start + CHANNELS[kinds[index]]]
-    return _unit_normals(part) if renormalise and kinds[index] == "normal" else part.copy()
-
-
-def _unit_normals(encoded: NDArray[np.float32]) -> NDArray[np.float32]:
-    normal = encoded.astype(np.float64) * 2 - 1
-    length = np.linalg.norm(normal, axis=2, keepdims=True)
-    unit = np.where(length > 1e-6, normal / np.maximum(length, 1e-6), [0.0, 0.0, 1.0])
-    return np.where(np.abs(length - 1) <= _UNIT_WITHIN, encoded, (unit + 1) / 2).astype(np.float32)
+    require_channels(kinds, image.shape[2])
+    part = image[..., map_slices(kinds)[index]]
+    return unit_normals(part) if renormalise and kinds[index] in UP else part.copy()
 
 
 def _warn_of_no_normals(name: str, image: NDArray[np.float32], ctx: Context) -> None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import (
+    AngleMap,
     Displacement,
     Elements,
     Image,
@@ -22,6 +23,7 @@ from graphtex import (
     ScaleMap,
     SourceMap,
     Texture,
+    Vector,
     ViewStack,
     writer,
 )
@@ -106,6 +108,12 @@ def save_labels(value: NDArray[np.int32], path: Path) -> None:
     picture.save(path, "PNG")
 
 
+@writer(AngleMap, suffixes=DATA_SUFFIXES, default=".npy")
+def save_angles(value: NDArray[np.float32], path: Path) -> None:
+    """Write the degrees of each pixel as one float32 channel."""
+    _save_data(value[..., None], path)
+
+
 @writer(Displacement, suffixes=DATA_SUFFIXES, default=".npy")
 def save_displacement(value: NDArray[np.float32], path: Path) -> None:
     """Write the shifts (x, y) of each pixel as two float32 channels."""
@@ -125,6 +133,15 @@ def save_points(value: NDArray[np.float64], path: Path) -> None:
         _save_npy(value, path)
     else:
         _save_csv("x,y", value.tolist(), path)
+
+
+@writer(Vector, suffixes=(".csv", ".npy"), default=".csv")
+def save_vector(value: NDArray[np.float64], path: Path) -> None:
+    """Write one number on each line, below the heading ``value``."""
+    if path.suffix.lower() == ".npy":
+        _save_npy(value, path)
+    else:
+        _save_csv("value", value[:, None].tolist(), path)
 
 
 @writer(Elements, suffixes=(".csv",), default=".csv")

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex import (
+    AngleMap,
     Directions,
     Displacement,
     Elements,
@@ -57,6 +58,15 @@ def view_mask(value: NDArray[np.bool_]) -> Bytes:
 def view_scale(value: NDArray[np.float32]) -> Bytes:
     """Show grey 128 where the scale is 1, in proportion elsewhere, white from 1.99 on."""
     return _grey(_bytes(value * (128 / 255)))
+
+
+@view(AngleMap)
+def view_angles(value: NDArray[np.float32]) -> Bytes:
+    """Show the direction as hue: right is red, left cyan."""
+    if value.size == 0:
+        return _EMPTY
+    full = np.ones(value.shape)
+    return _bytes(hsv_to_rgb(value.astype(np.float64) / 360, full, full))
 
 
 @view(LabelMap)

@@ -1,19 +1,19 @@
-"""An exemplar enlarged by mirrored and resampled copies of itself: one picture with a mask, and its origin."""
+"""Exemplars and copies of them, mirrored, turned and resampled, as one picture with a mask, and its origin."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics.guidance import BINS, resampled
-from graphtex_nodes.numerics.sources import COLUMN, ROW
+from graphtex_nodes.numerics.guidance import BINS
+from graphtex_nodes.numerics.materials import MapKind, turn
+from graphtex_nodes.numerics.sources import ANGLE, COLUMN, INDEX, LOG, MIRRORED, ROW, continued, shown
 
 Array = NDArray[np.float32]
 Flags = NDArray[np.bool_]
 
-LOG, MIRRORED = 3, 5
-"""Columns of a source map: log2 of the resampling, and whether it is mirrored."""
 SHORT = 1.5
 """A scale is short when the output asks for this many times the share that the exemplar has of it ..."""
 FEW = 0.5
@@ -24,54 +24,121 @@ STEP = 1 / 3
 
 @dataclass(frozen=True)
 class Atlas:
-    """Copies of an exemplar below each other; the exemplar itself is the upper left corner.
+    """Exemplars and copies of them below each other; the first exemplar itself is the upper left corner.
 
     Attributes
     ----------
-    picture, scale
-        Colours (h, w, c) and texel scale (h, w) or None.
+    picture, scale, angle
+        Colours (h, w, c), texel scale (h, w) or None, and direction (h, w) in degrees or None.
     usable
         Pixels (h, w) that may be copied: not those between the copies.
     origin
-        A source map (h, w, 6): which point of the exemplar each pixel shows.
+        A source map (h, w, 6): which point of which exemplar each pixel shows.
     """
 
     picture: Array
     scale: Array | None
     usable: Flags
     origin: Array
+    angle: Array | None = None
 
 
-def original(picture: Array, scale: Array | None, usable: Flags | None) -> Atlas:
-    """The exemplar alone."""
-    origin = np.zeros((*picture.shape[:2], 6), np.float32)
-    origin[..., ROW], origin[..., COLUMN] = np.mgrid[: picture.shape[0], : picture.shape[1]]
-    return Atlas(picture, scale, np.ones(picture.shape[:2], bool) if usable is None else usable, origin)
+@dataclass(frozen=True)
+class Stock:
+    """Which copies are made of exemplars.
 
-
-def enlarged(atlas: Atlas, target: Array | None, *, mirror: bool, largest: float, unit: int) -> Atlas:
-    """The exemplar with its mirror image, and with copies resampled by factors from 1 / largest to ``largest``.
-
-    Of a resampled copy those pixels are usable whose scale, as it is shown now, is short in the exemplar; copies
-    without such pixels are left out. Copies lie at multiples of ``unit`` pixels and at least two units apart, so that
-    they stay apart on levels where a pixel is ``unit`` pixels wide.
+    Attributes
+    ----------
+    mirror
+        Whether there are mirror images.
+    scales, largest
+        The output's scales, and up to which factor copies are resampled to have them.
+    angles, turn_step, arrows
+        The output's directions (degrees), by how much turned copies differ, and whether a half turn matters.
     """
-    copies = [atlas]
-    if target is not None and atlas.scale is not None:
-        edges, short = _short(atlas.scale[atlas.usable], target)
-        steps = int(np.log2(largest) / STEP + 1e-9)
+
+    mirror: bool = False
+    scales: Array | None = None
+    largest: float = 1.0
+    angles: Array | None = None
+    turn_step: float = 15.0
+    arrows: bool = False
+
+
+def original(
+    picture: Array, scale: Array | None, usable: Flags | None, angle: Array | None = None, index: int = 0
+) -> Atlas:
+    """An exemplar alone, and its index."""
+    height, width = picture.shape[:2]
+    origin = np.zeros((height, width, 6), np.float32)
+    origin[..., INDEX] = index
+    origin[..., ROW], origin[..., COLUMN] = np.mgrid[:height, :width]
+    return Atlas(picture, scale, np.ones((height, width), bool) if usable is None else usable, origin, angle)
+
+
+def leading(exemplars: Sequence[Atlas], *, turned: bool) -> Array:
+    """Colours (h, w, c) of the exemplar whose smaller side is the longest, their mean where it is not usable.
+
+    If ``turned``, only its middle: what a copy turned by 45 degrees shows in an upright square.
+    """
+    first = max(exemplars, key=lambda exemplar: min(exemplar.usable.shape))
+    mean = first.picture[first.usable].mean(axis=0)
+    colours = np.where(first.usable[..., None], first.picture, mean).astype(np.float32)
+    if not turned:
+        return colours
+    top, left = (int(side * (1 - 0.5**0.5) / 2) for side in first.usable.shape)
+    return colours[top : colours.shape[0] - top, left : colours.shape[1] - left]
+
+
+def enlarged(exemplars: Sequence[Atlas], stock: Stock, unit: int, kinds: Sequence[MapKind] = ()) -> Atlas:
+    """Exemplars with mirrored copies, turned ones, and copies resampled by factors from 1 / largest to ``largest``.
+
+    Of a resampled copy those pixels are usable whose scale, as it is shown now, is short in the exemplars, of a turned
+    one those whose direction is wanted; copies without such pixels are left out. Copies lie at multiples of ``unit``
+    pixels and at least two units apart, so that they stay apart on levels where a pixel is ``unit`` pixels wide.
+    Normals among the ``kinds`` turn with their copy.
+    """
+    views = (False, True) if stock.mirror else (False,)
+    copies = [view(exemplar, kinds, mirrored=mirrored) for mirrored in views for exemplar in exemplars]
+    have = [exemplar.scale[exemplar.usable] for exemplar in exemplars if exemplar.scale is not None]
+    if stock.scales is not None and have and stock.largest > 1:
+        edges, short = _short(np.concatenate(have), stock.scales)
+        steps = int(np.log2(stock.largest) / STEP + 1e-9)
         for number in [*range(-steps, 0), *range(1, steps + 1)]:
-            copy = _resampled(atlas, number * STEP)
-            assert copy.scale is not None
-            place = np.clip(np.searchsorted(edges, copy.scale, "right") - 1, 0, BINS - 1)
-            usable = copy.usable & short[place] & (copy.scale >= edges[0]) & (copy.scale <= edges[-1])
-            if usable.any():
-                rows, columns = (np.flatnonzero(usable.any(axis=1 - axis)) for axis in (0, 1))
-                box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-                copies.append(Atlas(copy.picture[box], copy.scale[box], usable[box], copy.origin[box]))
-    if mirror:
-        copies += [_mirrored(copy) for copy in copies]
+            for exemplar, mirrored in product(exemplars, views):
+                copy = view(exemplar, kinds, log=number * STEP, mirrored=mirrored)
+                assert copy.scale is not None
+                place = np.clip(np.searchsorted(edges, copy.scale, "right") - 1, 0, BINS - 1)
+                copies += _limited(copy, short[place] & (copy.scale >= edges[0]) & (copy.scale <= edges[-1]))
+    if stock.angles is not None and stock.turn_step > 0:
+        circle = 360 if stock.arrows else 180
+        wanted = _wanted(stock.angles, circle, stock.turn_step)
+        for angle in np.arange(stock.turn_step, circle, stock.turn_step).tolist():
+            for exemplar, mirrored in product(exemplars, views):
+                copy = view(exemplar, kinds, angle=angle, mirrored=mirrored)
+                assert copy.angle is not None
+                copies += _limited(copy, wanted[np.rint(copy.angle).astype(np.intp) % circle])
     return _stacked(copies, unit)
+
+
+def _wanted(angles: Array, circle: int, step: float) -> Flags:
+    """For each whole degree of a circle whether the output has a direction within a step of it."""
+    there = np.bincount(np.rint(angles).astype(np.intp).ravel() % circle, minlength=circle) > 0
+    near = there.copy()
+    for shift in range(1, int(np.ceil(step)) + 1):
+        near |= np.roll(there, shift) | np.roll(there, -shift)
+    return near
+
+
+def _limited(copy: Atlas, wanted: Flags) -> list[Atlas]:
+    """The part of a copy that is wanted, without what lies around it; nothing if there is none."""
+    usable = copy.usable & wanted
+    if not usable.any():
+        return []
+    rows, columns = (np.flatnonzero(usable.any(axis=1 - axis)) for axis in (0, 1))
+    box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    scale, angle = (None if values is None else values[box] for values in (copy.scale, copy.angle))
+    return [Atlas(copy.picture[box], scale, usable[box], copy.origin[box], angle)]
 
 
 def _short(have: Array, want: Array) -> tuple[NDArray[np.float64], Flags]:
@@ -87,41 +154,39 @@ def _short(have: Array, want: Array) -> tuple[NDArray[np.float64], Flags]:
     return edges, short
 
 
-def _mirrored(atlas: Atlas) -> Atlas:
-    """Right to left."""
-    origin = atlas.origin[:, ::-1].copy()
-    origin[..., MIRRORED] = 1 - origin[..., MIRRORED]
-    scale = None if atlas.scale is None else atlas.scale[:, ::-1]
-    return Atlas(atlas.picture[:, ::-1], scale, atlas.usable[:, ::-1], origin)
+def view(
+    exemplar: Atlas, kinds: Sequence[MapKind], *, log: float = 0.0, angle: float = 0.0, mirrored: bool = False
+) -> Atlas:
+    """An exemplar as it is, mirrored, then turned clockwise (degrees), then shown 2 ** log times as large."""
+    if log == 0 and angle == 0 and not mirrored:
+        return exemplar
+    from scipy.ndimage import map_coordinates
 
-
-def _resampled(atlas: Atlas, log: float) -> Atlas:
-    """Shown 2 ** log times as large: cubic splines, before them a Gaussian where it gets smaller."""
-    from scipy.ndimage import gaussian_filter, map_coordinates
-
-    factor = 2.0**log
-    height, width = (max(1, round(side * factor)) for side in atlas.picture.shape[:2])
-    y = (np.arange(height) + 0.5) / factor - 0.5
-    x = (np.arange(width) + 0.5) / factor - 0.5
-    places = np.meshgrid(y, x, indexing="ij")
-    blur = 0.5 * np.sqrt(max(0.0, factor**-2 - 1))
-    colours: list[Any] = []
-    for channel in np.moveaxis(atlas.picture, -1, 0):
-        smooth = gaussian_filter(channel, blur, mode="nearest") if blur > 0 else channel
-        found = map_coordinates(smooth, places, order=3, mode="nearest")
-        colours.append(np.clip(found, channel.min(), channel.max()))
-    nearest = np.ix_(
-        np.clip(np.rint(y), 0, atlas.picture.shape[0] - 1).astype(int),
-        np.clip(np.rint(x), 0, atlas.picture.shape[1] - 1).astype(int),
-    )
-    usable = map_coordinates(atlas.usable.astype(np.float32), places, order=1, mode="nearest") > 0.999
-    origin = atlas.origin[nearest].copy()
-    origin[..., ROW], origin[..., COLUMN] = places[0], places[1]
-    origin[..., ROW] = np.clip(origin[..., ROW], 0, atlas.picture.shape[0] - 1)
-    origin[..., COLUMN] = np.clip(origin[..., COLUMN], 0, atlas.picture.shape[1] - 1)
-    origin[..., LOG] = log
-    scale = None if atlas.scale is None else resampled(atlas.scale, (height, width)) * np.float32(factor)
-    return Atlas(np.stack(colours, axis=-1).astype(np.float32), scale, usable, origin)
+    height, width = exemplar.usable.shape
+    cos, sin = (abs(part) * 2.0**log for part in turn(angle))
+    sides = (max(1, round(height * cos + width * sin)), max(1, round(width * cos + height * sin)))
+    origin = np.zeros((*sides, 6), np.float32)
+    middle = (height - 1) / 2, (width - 1) / 2
+    origin[..., INDEX], origin[..., LOG] = exemplar.origin[0, 0, INDEX], log
+    origin[..., ANGLE], origin[..., MIRRORED] = angle, mirrored
+    down, right = np.mgrid[: sides[0], : sides[1]] - (np.array(sides)[:, None, None] - 1) / 2
+    places = np.moveaxis(continued(origin, down, right) + middle, -1, 0)
+    inside = np.ones(sides, bool)
+    for axis, place in enumerate(places):
+        size = exemplar.usable.shape[axis]
+        inside &= (place > -0.75) & (place < size - 0.25)
+        origin[..., ROW + axis] = np.clip(place, 0, size - 1)
+    points = origin[inside]
+    picture = np.zeros((*sides, exemplar.picture.shape[2]), np.float32)
+    picture[inside] = shown(exemplar.picture, points, kinds)
+    whole = map_coordinates(exemplar.usable.astype(np.float32), places, order=1, mode="nearest") > 0.999
+    scale = directions = None
+    if exemplar.scale is not None:
+        scale = map_coordinates(exemplar.scale, places, order=1, mode="nearest") * np.float32(2.0**log)
+    if exemplar.angle is not None:
+        nearest = map_coordinates(exemplar.angle, places, order=0, mode="nearest")
+        directions = ((180 - nearest if mirrored else nearest) + np.float32(angle)).astype(np.float32)
+    return Atlas(picture, scale, inside & whole, origin, directions)
 
 
 def _stacked(copies: list[Atlas], unit: int) -> Atlas:
@@ -135,10 +200,13 @@ def _stacked(copies: list[Atlas], unit: int) -> Atlas:
     first = copies[0]
     picture = np.zeros((*shape, first.picture.shape[2]), np.float32)
     scale = None if first.scale is None else np.ones(shape, np.float32)
+    angle = None if first.angle is None else np.zeros(shape, np.float32)
     usable, origin = np.zeros(shape, bool), np.zeros((*shape, 6), np.float32)
     for top, copy in zip(tops, copies, strict=True):
         box = slice(top, top + copy.usable.shape[0]), slice(0, copy.usable.shape[1])
         picture[box], usable[box], origin[box] = copy.picture, copy.usable, copy.origin
         if scale is not None and copy.scale is not None:
             scale[box] = copy.scale
-    return Atlas(picture, scale, usable, origin)
+        if angle is not None and copy.angle is not None:
+            angle[box] = copy.angle
+    return Atlas(picture, scale, usable, origin, angle)

@@ -1,5 +1,7 @@
 """The scale map as one more channel: how it is weighted, where a synthesis starts, what it asks of the exemplar."""
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -56,12 +58,38 @@ def importance(exemplar_scale: Array, target_scale: Array) -> Array:
         result: NDArray[np.intp] = np.clip(place.astype(np.intp), 0, BINS - 1)
         return result
 
-    have = np.bincount(bins(exemplar_scale).ravel(), minlength=BINS) / exemplar_scale.size
-    want = np.bincount(bins(target_scale).ravel(), minlength=BINS) / target_scale.size
+    return _wanted(bins(exemplar_scale), bins(target_scale), "edge")
+
+
+def direction_channels(angles: Array, arrows: bool) -> Array:
+    """Cosine and sine (..., 2) of angles (degrees), of twice the angles unless directions are arrows."""
+    radians = np.radians(angles.astype(np.float64)) * (1 if arrows else 2)
+    return np.stack([np.cos(radians), np.sin(radians)], axis=-1).astype(np.float32)
+
+
+def direction_importance(have: Array, want: Array) -> tuple[Array, float]:
+    """As :func:`importance` for channels of direction (..., 2), and the share of what is wanted that none is near."""
+
+    def bins(channels: Array) -> NDArray[np.intp]:
+        turns = np.arctan2(channels[..., 1], channels[..., 0]) / (2 * np.pi) % 1
+        result: NDArray[np.intp] = (turns * BINS).astype(np.intp) % BINS
+        return result
+
+    present, asked = bins(have), bins(want)
+    near = np.bincount(present.ravel(), minlength=BINS) > 0
+    near |= np.roll(near, 1) | np.roll(near, -1)
+    return _wanted(present, asked, "wrap"), float(np.mean(~near[asked]))
+
+
+def _wanted(have: NDArray[np.intp], want: NDArray[np.intp], border: Literal["edge", "wrap"]) -> Array:
+    """Ratio of the densities of what is wanted and what is there, at each that is there; both are numbers of bins."""
     kernel = np.array([1, 2, 1]) / 4
-    have, want = (np.convolve(np.pad(part, 1, mode="edge"), kernel, "valid") for part in (have, want))
-    ratio = np.clip(want / np.maximum(have, 1e-6), 0.05, 20)
-    result = ratio[bins(exemplar_scale)]
+    present, asked = (
+        np.convolve(np.pad(np.bincount(part.ravel(), minlength=BINS) / part.size, 1, mode=border), kernel, "valid")
+        for part in (have, want)
+    )
+    ratio = np.clip(asked / np.maximum(present, 1e-6), 0.05, 20)
+    result = ratio[have]
     relative: Array = (result / result.mean()).astype(np.float32)
     return relative
 
@@ -83,8 +111,8 @@ def random_blocks(
     step
         Pixels between grid places.
     wanted, present
-        Scale at each place of the grid and at each of the exemplar's windows. With them a block's place is drawn among
-        the exemplar's windows of that scale and the twentieth below and above it.
+        Guide (scale, direction) at each place of the grid (rows, columns, g) and at each of the exemplar's windows.
+        With them a block's place is drawn among the tenth of the exemplar's windows that are nearest to its wish.
     """
     down, right = -(-grid[0] // block), -(-grid[1] // block)
     if wanted is None or present is None:
@@ -95,7 +123,9 @@ def random_blocks(
     else:
         middle_rows = np.minimum(np.arange(down) * block + block // 2, grid[0] - 1)
         middle_columns = np.minimum(np.arange(right) * block + block // 2, grid[1] - 1)
-        chosen = _of_scale(wanted[np.ix_(middle_rows, middle_columns)].ravel(), present.ravel(), rng)
+        wishes = wanted[np.ix_(middle_rows, middle_columns)].reshape(down * right, -1)
+        pick = _of_scale if wishes.shape[1] == 1 else _alike
+        chosen = pick(wishes, present.reshape(-1, wishes.shape[1]), rng)
     places = np.stack(np.unravel_index(chosen, shape), axis=-1).reshape(down, right, 2)
     field = places.repeat(block, axis=0).repeat(block, axis=1)[: grid[0], : grid[1]]
     inside = np.stack(np.meshgrid(np.arange(grid[0]) % block, np.arange(grid[1]) % block, indexing="ij"), axis=-1)
@@ -104,7 +134,8 @@ def random_blocks(
 
 
 def _of_scale(wanted: Array, present: Array, rng: np.random.Generator) -> NDArray[np.intp]:
-    """For each wanted scale (n,) the index of a random one of the present (m,) scales near it in rank."""
+    """For each wanted scale (n, 1) the index of a random one of the present (m, 1) scales near it in rank."""
+    wanted, present = wanted[:, 0], present[:, 0]
     order = np.argsort(present, kind="stable")
     ordered = present[order]
     margin = ordered.size // 20
@@ -113,4 +144,15 @@ def _of_scale(wanted: Array, present: Array, rng: np.random.Generator) -> NDArra
     low = np.minimum(low, ordered.size - 1)
     high = np.maximum(high, low + 1)
     chosen: NDArray[np.intp] = order[low + (rng.random(wanted.size) * (high - low)).astype(np.intp)]
+    return chosen
+
+
+def _alike(wanted: Array, present: Array, rng: np.random.Generator) -> NDArray[np.intp]:
+    """For each wish (n, g) the index of a random one of the tenth of what is present (m, g) that is nearest to it."""
+    count = max(1, len(present) // 10)
+    chosen = np.empty(len(wanted), np.intp)
+    for number, (wish, draw) in enumerate(zip(wanted, rng.random(len(wanted)), strict=True)):
+        apart = ((present - wish) ** 2).sum(axis=1)
+        near = np.flatnonzero(apart <= np.partition(apart, count - 1)[count - 1])
+        chosen[number] = near[int(draw * len(near))]
     return chosen

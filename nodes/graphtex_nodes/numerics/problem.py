@@ -30,6 +30,10 @@ class Settings:
         PatchMatch passes of an iteration.
     falloff
         How much the middle of a window weighs more than its border: exp(-falloff) at the middle of a side.
+    joint
+        Whether the guide's channels share principal components with the colours.
+    weights
+        How much differences in each channel of the exemplar count; none = all alike.
     """
 
     exponent: float = 0.8
@@ -39,6 +43,8 @@ class Settings:
     detail: float = 0.3
     passes: int = 2
     falloff: float = 1.0
+    joint: bool = False
+    weights: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -52,9 +58,9 @@ class Problem:
     size
         Height and width of the output.
     guide
-        One more channel of the exemplar (h, w), already weighted, or None.
+        More channels of the exemplar (h, w, g) such as scale and direction, already weighted, or None.
     target
-        The guide's value for each output pixel, or None: the guide is then synthesised like a colour.
+        The guide for each output pixel, or None: the guide is then synthesised like a colour.
     hold
         Whether the output's guide stays at ``target``; if not, ``target`` only rules the start.
     importance
@@ -84,11 +90,11 @@ class Problem:
     def voted(self) -> int:
         """How many channels the vote fills."""
         held = self.hold and self.target is not None
-        return int(self.exemplar.shape[2]) + (self.guide is not None and not held)
+        return int((self.exemplar if held else self.channels).shape[2])
 
     @property
     def channels(self) -> Array:
-        """The exemplar with its guide (h, w, c or c + 1)."""
+        """The exemplar with its guide (h, w, c + g)."""
         return self.exemplar if self.guide is None else np.dstack([self.exemplar, self.guide])
 
     @property
@@ -110,10 +116,10 @@ class Result:
         Weighted mean of the last vote (h, w, c), with the guide's channel where there is one.
     source
         Row and column of the exemplar for each pixel, int32 (h, w, 2); negative for known pixels.
-    energy
-        Mean over windows of (mean squared difference of a pixel) ** (r / 2) at the last search.
+    energies
+        Mean over windows of (mean squared difference of a pixel) ** (r / 2) at each search, from coarse to fine.
     """
 
     image: Array
     source: Field
-    energy: float
+    energies: tuple[float, ...]

@@ -1,12 +1,21 @@
-"""Source maps: which exemplar pixel each output pixel was copied from, and what that tells of a synthesis."""
+"""Source maps: which point of which exemplar each output pixel shows, what that looks like, and what it tells.
+
+The exemplar is shown mirrored (right to left), then turned (degrees, clockwise), then enlarged by 2 to the power of the
+logarithm.
+"""
+
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from graphtex_nodes.numerics.materials import MapKind, renormalised, turn, turn_normals
+
 Array = NDArray[np.float32]
 
-ROW, COLUMN = 1, 2
-"""Columns of a source map; 0 is the exemplar's index, 3 to 5 are log2 of the resampling, angle and mirrored or not."""
+INDEX, ROW, COLUMN, LOG, ANGLE, MIRRORED = range(6)
+"""Columns of a source map."""
 
 
 def source_map(source: NDArray[np.integer]) -> Array:
@@ -21,14 +30,56 @@ def own_places(shape: tuple[int, ...]) -> Array:
     return source_map(np.moveaxis(np.indices(shape), 0, -1))
 
 
-def replay(source: Array, exemplar: Array) -> Array:
-    """The picture that a source map (h, w, 6) of plain copies makes of an exemplar (eh, ew, c)."""
-    rows = source[..., ROW].astype(np.intp)
-    columns = source[..., COLUMN].astype(np.intp)
-    return exemplar[rows, columns]
+def continued(source: Array, down: Any, right: Any) -> NDArray[np.float64]:
+    """Rows and columns (..., 2) in the exemplars of what lies ``down`` and ``right`` of shown pixels (..., 6)."""
+    angles, place = np.unique(source[..., ANGLE], return_inverse=True)
+    turns = np.array([turn(float(angle)) for angle in angles]).reshape(-1, 2)[place.reshape(source.shape[:-1])]
+    cos, sin = turns[..., 0], turns[..., 1]
+    size = np.exp2(-source[..., LOG].astype(np.float64))
+    rows = source[..., ROW] + size * (down * cos - right * sin)
+    columns = source[..., COLUMN] + size * (right * cos + down * sin) * (1 - 2.0 * (source[..., MIRRORED] != 0))
+    return np.stack([rows, columns], axis=-1)
 
 
-def coherence(source: NDArray) -> float:
+def shown(exemplar: Array, source: Array, kinds: Sequence[MapKind] = ()) -> Array:
+    """What pixels of a source map (n, 6) show of an exemplar (h, w, c): float32 (n, c).
+
+    Whole rows and columns at the exemplar's own size or larger give its pixels; others cubic splines, of the exemplar
+    behind a Gaussian where it is shown smaller. Points outside show the border. Normals among the ``kinds`` of
+    channels are turned with the picture and made unit vectors again.
+    """
+    rows, columns = (
+        np.clip(source[:, axis], 0, exemplar.shape[axis - ROW] - 1) for axis in (ROW, COLUMN)
+    )  # fmt: skip
+    whole = (rows == np.rint(rows)) & (columns == np.rint(columns)) & (source[:, LOG] >= 0)
+    result = exemplar[np.rint(rows).astype(np.intp), np.rint(columns).astype(np.intp)]
+    for log in np.unique(source[~whole, LOG]):
+        chosen = ~whole & (source[:, LOG] == log)
+        result[chosen] = _interpolated(exemplar, rows[chosen], columns[chosen], float(log))
+    if kinds:
+        views = source[:, [ANGLE, MIRRORED]]
+        for angle, mirrored in np.unique(views, axis=0).tolist():
+            chosen = (views[:, 0] == angle) & (views[:, 1] == mirrored)
+            part = result[chosen]
+            turn_normals(part, kinds, angle, mirrored != 0)
+            result[chosen] = renormalised(part, kinds)
+    return result
+
+
+def _interpolated(exemplar: Array, rows: Array, columns: Array, log: float) -> Array:
+    """Values (n, c) between pixels, shown 2 ** log times as large."""
+    from scipy.ndimage import gaussian_filter, map_coordinates
+
+    blur = 0.5 * np.sqrt(max(0.0, 4.0**-log - 1))
+    values: list[Any] = []
+    for channel in np.moveaxis(exemplar, -1, 0):
+        smooth = gaussian_filter(channel, blur, mode="nearest") if blur > 0 else channel
+        found = map_coordinates(smooth, [rows, columns], order=3, mode="nearest")
+        values.append(np.clip(found, channel.min(), channel.max()))
+    return np.stack(values, axis=-1).astype(np.float32)
+
+
+def coherence(source: NDArray[Any]) -> float:
     """Share of pairs of neighbouring pixels (right and down) whose sources (h, w, 2) are neighbours too.
 
     Pairs with a negative source, a known pixel, do not count. 1 where there is no pair.
@@ -43,12 +94,16 @@ def coherence(source: NDArray) -> float:
     return float((right.sum() + down.sum()) / pairs) if pairs else 1.0
 
 
-def coverage(source: NDArray, shape: tuple[int, int], usable: NDArray[np.bool_] | None = None) -> float:
-    """Share of the usable pixels of an exemplar that occur in the sources (..., 2); negative ones do not count.
+def coverage(source: Array, usable: Sequence[NDArray[np.bool_]]) -> float:
+    """Share of the usable pixels (h, w) of all exemplars that pixels of a source map (..., 6) show.
 
-    ``shape`` is the exemplar's; all its pixels are usable without a mask (h, w).
+    Pixels of which the index is beyond the exemplars do not count.
     """
-    used = np.zeros(shape, bool)
-    source = source[source[..., 0] >= 0]
-    used[source[..., 0].astype(np.intp), source[..., 1].astype(np.intp)] = True
-    return float(used.mean() if usable is None else used[usable].mean())
+    used, total = 0, 0
+    for index, mask in enumerate(usable):
+        own = source[source[..., INDEX] == index]
+        seen = np.zeros(mask.shape, bool)
+        seen[np.rint(own[:, ROW]).astype(np.intp), np.rint(own[:, COLUMN]).astype(np.intp)] = True
+        used += int(np.count_nonzero(seen & mask))
+        total += int(np.count_nonzero(mask))
+    return used / total

@@ -82,12 +82,13 @@ def synthesise(
     seed = int(rng.integers(2**63))
     total = sum(stage.iterations * 4.0**-stage.level for stage in plan)
     done = 0.0
+    energies: list[float] = []
     before: tuple[Field, Frame, int] | None = None
     for number, stage in enumerate(plan):
         at = stage.level
         level = _open(problem, settings, stage, 0 if problem.bounded else border(plan, at), images[at], work)
         if before is None:
-            field = _start(level, problem.target is not None, rng)
+            field = _start(level, problem.exemplar.shape[2] if problem.target is not None else 0, rng)
         else:
             factor = 1 << (before[2] - at)
             field = transfer(before[0], before[1], level.frame, factor, level.features.shape[:2])
@@ -99,6 +100,7 @@ def synthesise(
         for iteration in range(stage.iterations):
             draw = int(np.random.SeedSequence([seed, number, iteration]).generate_state(1, np.uint64)[0])
             match = _search(level, match, settings, draw, number == iteration == 0, work)
+            energies.append(match.energy)
             _vote(level, match, settings.histogram, work)
             done += 4.0**-at / total
             work.progress(min(1.0, done), f"level {levels - at} of {levels}")
@@ -107,7 +109,7 @@ def synthesise(
         match.field, match.weights, level.exemplar, level.falloff, level.frame.grid.step, level.canvas, work,
         level.known,
     )  # fmt: skip
-    return Result(level.frame.crop(level.canvas), level.frame.crop(source), match.energy)
+    return Result(level.frame.crop(level.canvas), level.frame.crop(source), tuple(energies))
 
 
 def _images(problem: Problem, levels: int) -> list[_Images]:
@@ -143,7 +145,7 @@ def _open(
     colours, channels = problem.exemplar.shape[2], exemplar.shape[2]
     canvas = np.zeros((*frame.grid.canvas, channels), np.float32)
     if given.target is not None:
-        canvas[..., colours] = frame.spread(given.target)
+        canvas[..., colours:] = frame.spread(given.target)
     known = wanted = trust = None
     if given.start is not None:
         canvas[..., :colours] = frame.spread(given.start)
@@ -152,10 +154,11 @@ def _open(
         wanted = ~whole_windows(known, window, frame.grid.step)
         trust = _trust(known, window)[:: frame.grid.step, :: frame.grid.step]
     allowed = None if given.usable is None else whole_windows(given.usable, window)
-    groups = [(slice(0, colours), settings.detail)]
-    if channels > colours:
+    groups = [(slice(0, channels if settings.joint else colours), settings.detail)]
+    if channels > colours and not settings.joint:
         groups.append((slice(colours, channels), 0.0))
-    basis = principal_basis(exemplar, window, groups, settings.variance, work, allowed)
+    weights = [*(settings.weights or [1.0] * colours), *[1.0] * (channels - colours)]
+    basis = principal_basis(exemplar, window, groups, settings.variance, work, allowed, weights)
     counted = slice(None) if given.usable is None else given.usable
     return _Level(
         exemplar=exemplar,
@@ -192,15 +195,15 @@ def _centres(values: Any, window: int) -> Any:
     return values[low : values.shape[0] - high, low : values.shape[1] - high]
 
 
-def _start(level: _Level, guided: bool, rng: np.random.Generator) -> Field:
-    """Random blocks as large as a window; with a target, of the scale that it asks for."""
+def _start(level: _Level, colours: int, rng: np.random.Generator) -> Field:
+    """Random blocks as large as a window; with a guide behind so many colours, 0 = none, such as it asks for."""
     grid = level.frame.grid
     shape = level.features.shape[:2]
     block = max(1, grid.window // grid.step)
     present = wanted = None
-    if guided:
-        present = _centres(level.exemplar[..., -1], grid.window)
-        wanted = _centres(level.canvas[..., -1], grid.window)[:: grid.step, :: grid.step]
+    if colours:
+        present = _centres(level.exemplar[..., colours:], grid.window)
+        wanted = _centres(level.canvas[..., colours:], grid.window)[:: grid.step, :: grid.step]
     return random_blocks((grid.rows, grid.columns), (shape[0], shape[1]), block, grid.step, rng, wanted, present)
 
 

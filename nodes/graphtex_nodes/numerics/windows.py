@@ -1,5 +1,6 @@
 """Windows (square neighbourhoods) of images and their principal components."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,7 +70,7 @@ class Basis:
 
 def principal_basis(
     image: Array, window: int, groups: list[tuple[slice, float]], variance: float, work: Work,
-    allowed: NDArray[np.bool_] | None = None,
+    allowed: NDArray[np.bool_] | None = None, weights: Sequence[float] | None = None,
 ) -> Basis:  # fmt: skip
     """Principal components of the windows of an image, for each group of channels apart.
 
@@ -86,6 +87,8 @@ def principal_basis(
         Share of each group's variance that is kept, 0 to 1.
     allowed
         Which windows (rows, columns) count; None = all.
+    weights
+        How much differences in each channel count, from 0; None = all alike.
 
     Notes
     -----
@@ -93,11 +96,12 @@ def principal_basis(
     orthogonal iteration without BLAS or LAPACK, whose results change with the number of threads.
     """
     channels = image.shape[2]
+    relative = np.ones(channels, np.float32) if weights is None else np.array(weights, np.float32)
     samples = _sample(image, window, allowed)
     mean = samples.mean(axis=0, dtype=np.float64)
     kept: list[NDArray[np.float64]] = []
     for group, share in groups:
-        part = samples[:, :, :, group] - mean[:, :, group].astype(np.float32)
+        part = (samples[:, :, :, group] - mean[:, :, group].astype(np.float32)) * relative[group]
         pool = _pool(window, part.shape[3])
         part = _pooled(part, pool).reshape(len(samples), -1)
         total = np.zeros((part.shape[1], part.shape[1]))
@@ -108,7 +112,7 @@ def principal_basis(
         leading = evened(leading_directions(covariance, variance), covariance, share)
         blocks = leading.reshape(window // pool, window // pool, -1, leading.shape[1]) / pool
         spread = np.zeros((window, window, channels, leading.shape[1]))
-        spread[:, :, group] = blocks.repeat(pool, axis=0).repeat(pool, axis=1)
+        spread[:, :, group] = blocks.repeat(pool, axis=0).repeat(pool, axis=1) * relative[group, None]
         kept.append(spread.reshape(-1, leading.shape[1]))
     directions = np.concatenate(kept, axis=1)
     padding = -directions.shape[1] % 4  # whole vectors of four: faster, and zeros change no distance

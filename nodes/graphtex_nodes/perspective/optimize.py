@@ -3,9 +3,11 @@
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
-from graphtex import QUIET, Axes, Context, Image, Mask, Number, Rng, ScaleMap, SourceMap, node
+from graphtex import QUIET, AngleMap, Axes, Context, Image, Mask, Number, Rng, ScaleMap, SourceMap, Vector, node
+from graphtex_nodes.numerics.materials import MapKind
 
 Size = Annotated[
     int, Field(ge=0, le=16384, description="pixels; 0 follows start or the target scale, else twice the exemplar")
@@ -42,6 +44,22 @@ Largest = Annotated[
 Quality = Annotated[
     Literal["default", "fast", "preview"], Field(description="fast: fewer iterations; preview: fewer still")
 ]
+Components = Annotated[
+    Literal["apart", "joint"],
+    Field(description="principal components of colours and guides apart, or joint as is printed first"),
+]
+Kinds = Annotated[list[MapKind], Field(max_length=16, description="what the channels are, as for StackMaps")]
+Weights = Annotated[
+    tuple[Annotated[float, Field(ge=0, le=100)], ...],
+    Field(max_length=16, description="how much each map, or without kinds each channel, counts; 0 = is copied only"),
+]
+AngleWeight = Annotated[
+    float, Field(ge=0, le=10, description="how much direction counts, in standard deviations of the colours; 0 = not")
+]
+TurnStep = Annotated[
+    float, Field(ge=0, le=90, description="degrees between turned copies of the exemplar; 0 = no such copies")
+]
+Arrows = Annotated[bool, Field(description="whether opposite directions differ; lines have none")]
 EFFORT = {"default": (1, 2), "fast": (2, 1), "preview": (4, 1)}
 """What iterations are divided by (rounded up), and how many passes a search has."""
 
@@ -52,6 +70,7 @@ class Synthesis(NamedTuple):
     image: Image
     source: SourceMap
     energy: Number
+    energies: Vector
     coherence: Number
     coverage: Number
 
@@ -64,6 +83,12 @@ def optimize(
     usable: Annotated[Mask, Axes("h w")] | None = None,
     start: Annotated[Image, Axes("rows columns c")] | None = None,
     known: Annotated[Mask, Axes("rows columns")] | None = None,
+    exemplar_angle: Annotated[AngleMap, Axes("h w")] | None = None,
+    target_angle: AngleMap | None = None,
+    more: list[Image] | None = None,
+    more_scale: list[ScaleMap] | None = None,
+    more_usable: list[Mask] | None = None,
+    more_angle: list[AngleMap] | None = None,
     *,
     width: Size = 0,
     height: Size = 0,
@@ -81,6 +106,12 @@ def optimize(
     tileable: Sides = "none",
     mirror: Mirror = False,
     resample: Largest = 1.0,
+    angle_weight: AngleWeight = 1.0,
+    turn_step: TurnStep = 15.0,
+    arrows: Arrows = False,
+    pca: Components = "apart",
+    kinds: Kinds = [],  # noqa: B006 (parameters are copied)
+    map_weights: Weights = (),
     quality: Quality = "default",
     rng: Rng = 0,
     ctx: Context = QUIET,
@@ -113,6 +144,11 @@ def optimize(
     known
         Pixels of the output that stay exactly as in ``start``, of which then nothing else is read. Windows are sought
         that agree with them. With ``vote="blend"`` colours of the pieces beside them are bent to meet them.
+    exemplar_angle, target_angle
+        Direction of the exemplar's texels, 0 (to the right) where not given, and the direction that the output's should
+        have: cosine and sine of the angle (of twice the angle, unless ``arrows``) are further channels of both.
+    more, more_scale, more_usable, more_angle
+        Further exemplars of any size with as many channels, and their maps. Levels are chosen for the largest.
     width, height
         Size of the output.
     scale_weight
@@ -134,6 +170,11 @@ def optimize(
         r of the energy; gain of histogram matching; charge for windows used more often than others of their scale, in
         mean distances; share of variance that PCA keeps, for colours and scale apart; how far its components of colour
         are evened, from 0 (plain distances) to 1 (whitened).
+    pca
+        ``apart`` keeps the whole of the scale's and direction's main components; ``joint`` is the paper's first form.
+    kinds, map_weights
+        Kinds make normals turn with mirrored and turned copies, and stay unit vectors. Weights of maps (without kinds
+        of channels) are those of their differences in the search; by weights of 1, 0, 0 the first map guides the rest.
     tileable
         Windows, votes and seams go on over these sides, so that copies of the output join without a seam. Odd sizes
         take longer. Target scales at opposite sides should be alike.
@@ -143,21 +184,26 @@ def optimize(
         ``source`` tells both; its rows and columns may then lie between pixels. ``resample=1.3`` makes near rows repeat
         visibly less; larger ones bring the foreshortening of other distances. A picture and its mirror image join
         without a seam, so ``mirror`` may leave symmetric places.
+    angle_weight, turn_step, arrows
+        With ``target_angle``, copies of the exemplar serve that are turned by multiples of ``turn_step``, as far as
+        their directions are wanted; each takes as much memory as the exemplar. Without ``arrows`` a copy that stands
+        on its head is the same.
     quality
         ``fast`` halves iterations and the passes of a search, ``preview`` leaves a quarter of the iterations.
 
     Returns
     -------
     Synthesis
-        ``energy`` is the mean over windows of (mean squared difference of a pixel) ** (r / 2), ``coherence`` the share
-        of neighbouring pixels whose sources are neighbours, ``coverage`` the share of the usable exemplar that was
-        used. Known pixels have the index 1 in ``source``, and their own row and column.
+        ``energy`` is the mean over windows of (mean squared difference of a pixel) ** (r / 2) at the last search,
+        ``energies`` those of all searches in order, ``coherence`` the share of neighbouring pixels whose sources are
+        neighbours, ``coverage`` the share of the usable exemplars that was used. ``source`` holds indices of 0 for
+        ``exemplar``, from 1 for ``more``, and behind the last for known pixels with their own row and column.
 
     Raises
     ------
     ValueError
-        If one map comes without the other, more levels are asked for than the exemplar allows, nothing is usable, or
-        ``known`` comes without ``start``.
+        If one map comes without the other, sizes or channels of exemplars disagree, more levels are asked for than the
+        exemplar allows, nothing is usable, or ``known`` comes without ``start``.
 
     Notes
     -----
@@ -179,46 +225,69 @@ def optimize(
     from graphtex_nodes.numerics.jit import announce
 
     announce(ctx, "window_kernels", "search_kernels", "vote_kernels", "seam_kernels")
-    from graphtex_nodes.numerics import atlas, seams, sources
+    from graphtex_nodes.numerics import atlas, request, seams, sources
     from graphtex_nodes.numerics import levels as plans
+    from graphtex_nodes.numerics.materials import renormalised
     from graphtex_nodes.numerics.problem import Settings
-    from graphtex_nodes.numerics.request import Scales, pose
     from graphtex_nodes.numerics.synthesis import synthesise
 
-    size = _size(start, target_scale, exemplar, height, width)
-    stock = atlas.original(exemplar, exemplar_scale, usable)
-    if mirror or resample > 1:
-        asked = None if scale_weight == 0 or target_scale is None else target_scale
-        unit = 1 << (plans.most_levels(exemplar.shape) - 1)
-        stock = atlas.enlarged(stock, asked, mirror=mirror, largest=resample, unit=unit)
-    scales = Scales(stock.scale, target_scale, scale_weight, scale_mode == "fixed")
-    wrap = (tileable in ("y", "both"), tileable in ("x", "both"))
-    problem = pose(stock.picture, size, scales, ctx, usable=stock.usable, start=start, known=known, wrap=wrap)
-    own = problem.exemplar[: exemplar.shape[0], : exemplar.shape[1]]
+    size = _size(start, target_angle if target_scale is None else target_scale, exemplar, height, width)
+    weights = request.channel_weights(map_weights, kinds, exemplar.shape[2])
+    turned = target_angle is not None and angle_weight > 0
+    exemplars = request.gathered(
+        [exemplar, *(more or [])],
+        [exemplar_scale, *(more_scale or [])] if scale_weight > 0 else None,
+        [usable, *(more_usable or [])],
+        [exemplar_angle, *(more_angle or [])] if turned else None,
+    )
+    stock = atlas.Stock(
+        mirror,
+        target_scale if scale_weight > 0 else None,
+        resample,
+        target_angle if turned else None,
+        turn_step,
+        arrows,
+    )
+    leader = atlas.leading(exemplars, turned=turned and turn_step > 0)
+    sheet = atlas.enlarged(exemplars, stock, 1 << (plans.most_levels(leader.shape) - 1), kinds)
+    problem = request.pose(
+        sheet.picture,
+        size,
+        request.Scales(sheet.scale, target_scale, scale_weight, scale_mode == "fixed"),
+        ctx,
+        directions=request.Directions(sheet.angle, target_angle, angle_weight, arrows),
+        usable=sheet.usable,
+        start=start,
+        known=known,
+        wrap=(tileable in ("y", "both"), tileable in ("x", "both")),
+        weights=weights,
+    )
     fewer, passes = EFFORT[quality]
-    plan = plans.eased(plans.plan(own, problem.usable, levels, windows, iterations), fewer)
-    settings = Settings(exponent, histogram, evenness, variance, detail, passes)
+    plan = plans.eased(plans.plan(leader, problem.usable, levels, windows, iterations), fewer)
+    settings = Settings(exponent, histogram, evenness, variance, detail, passes, joint=pca == "joint", weights=weights)
     result = synthesise(problem, plan, settings, rng, ctx)
     if vote == "mean":
-        image, source = result.image[..., : exemplar.shape[2]], result.source
+        image, places = result.image[..., : exemplar.shape[2]], result.source
     else:
-        image, source = seams.finish(problem, result, fade=vote == "blend", work=ctx)
-    origin = stock.origin[source[..., 0], source[..., 1]]
-    coverage = sources.coverage(origin[source[..., 0] >= 0][:, 1:3].round(), exemplar.shape[:2], usable)
+        image, places = seams.finish(problem, result, fade=vote == "blend", work=ctx)
+    source = sheet.origin[places[..., 0], places[..., 1]]
+    coverage = sources.coverage(source[places[..., 0] >= 0], [each.usable for each in exemplars])
     if problem.known is not None:
-        origin[problem.known, 0] = 1
-        origin[problem.known, 1:3] = np.argwhere(problem.known)
+        source[problem.known] = 0
+        source[problem.known, 0] = len(exemplars)
+        source[problem.known, 1:3] = np.argwhere(problem.known)
     return Synthesis(
-        image=np.ascontiguousarray(image),
-        source=origin,
-        energy=result.energy,
-        coherence=sources.coherence(source),
+        image=np.ascontiguousarray(image if vote == "discrete" else renormalised(image, kinds)),
+        source=source,
+        energy=result.energies[-1],
+        energies=np.array(result.energies),
+        coherence=sources.coherence(places),
         coverage=coverage,
     )
 
 
 def _size(
-    start: Image | None, target: ScaleMap | None, exemplar: Image, height: int, width: int
+    start: Image | None, target: NDArray[np.float32] | None, exemplar: Image, height: int, width: int
 ) -> tuple[int, int]:  # fmt: skip
     """Height and width of the output."""
     if start is not None:

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from graphtex_nodes.image.convert import grey, image_from_mask, mask_from_image, pick_channels
 from graphtex_nodes.image.files.colour import encode_srgb
 from graphtex_nodes.image.maps import CHANNELS, select_map, split_maps, stack_maps
+from graphtex_nodes.numerics.materials import UP
 from tests.nodes.image.files import noise
 
 
@@ -17,7 +18,7 @@ def normals(*shape, seed=0):
 
 
 def one_of(kind, seed):
-    if kind == "normal":
+    if kind in UP:
         return normals(4, 5, seed=seed)
     return noise(4, 5, CHANNELS[kind], dtype="float32", seed=seed)
 

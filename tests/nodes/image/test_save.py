@@ -19,6 +19,7 @@ from graphtex_nodes.image.files.encode import encode
 from graphtex_nodes.image.files.formats import FORMATS, MOST_PIXELS, table
 from graphtex_nodes.image.load import load_image, load_mask, load_scale
 from graphtex_nodes.image.load_data import (
+    load_angles,
     load_displacement,
     load_elements,
     load_labels,
@@ -28,6 +29,7 @@ from graphtex_nodes.image.load_data import (
     load_view_stack,
 )
 from graphtex_nodes.image.save import (
+    save_angles,
     save_displacement,
     save_elements,
     save_image,
@@ -261,6 +263,9 @@ def test_labels_in_a_palette(tmp_path):
 @pytest.mark.parametrize("suffix", [".npy", ".tiff", ".tif", ".exr"])
 def test_fields_survive(tmp_path, suffix):
     shift, source = noise(5, 6, 2, dtype="float32") - 0.5, noise(5, 6, 6, dtype="float32") * 300
+    angles = shift[..., 0] * 360
+    save_angles(angles, tmp_path / f"angles{suffix}")
+    np.testing.assert_array_equal(load_angles(path=str(tmp_path / f"angles{suffix}")), angles)
     save_displacement(shift, tmp_path / f"shift{suffix}")
     save_source(source, tmp_path / f"source{suffix}")
     np.testing.assert_array_equal(load_displacement(path=str(tmp_path / f"shift{suffix}")), shift)

@@ -12,6 +12,7 @@ SAMPLES = {
     "Image": noise(5, 6, 3, dtype="float32"),
     "Mask": noise(5, 6) > 99,
     "ScaleMap": np.ones((5, 6), np.float32),
+    "AngleMap": np.full((5, 6), 90, np.float32),
     "LabelMap": noise(5, 6).astype(np.int32),
     "Points": noise(7, 2, dtype="float64"),
     "Displacement": noise(5, 6, 2, dtype="float32"),
@@ -23,6 +24,7 @@ SAMPLES = {
 EMPTY = {
     "Mask": np.zeros((0, 3), bool),
     "ScaleMap": np.zeros((3, 0), np.float32),
+    "AngleMap": np.zeros((0, 3), np.float32),
     "LabelMap": np.zeros((0, 0), np.int32),
     "Points": np.zeros((0, 2)),
     "Displacement": np.zeros((0, 3, 2), np.float32),
@@ -76,6 +78,13 @@ def test_displacement_by_hand():
     assert views.view_displacement(shift)[0].tolist() == expected
 
 
+def test_angles_by_hand():
+    """Right is red, down 90 degrees further round the circle of hues, left cyan; opposite ways of turning meet."""
+    angles = np.array([[0, 90, 180, -270, 360]], np.float32)
+    expected = [[255, 0, 0], [128, 255, 0], [0, 255, 255], [128, 255, 0], [255, 0, 0]]
+    assert views.view_angles(angles)[0].tolist() == expected
+
+
 def test_source_by_hand():
     """Columns grow red, rows green; mirrored pixels are lighter."""
     source = np.zeros((1, 3, 6), np.float32)
@@ -109,6 +118,7 @@ def test_stack_is_about_square():
 def test_pictures_of_maps_are_their_views():
     for make, name in (
         (convert.image_from_labels, "LabelMap"),
+        (convert.image_from_angles, "AngleMap"),
         (convert.image_from_displacement, "Displacement"),
         (convert.image_from_source, "SourceMap"),
     ):

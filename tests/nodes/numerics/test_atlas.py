@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from graphtex_nodes.numerics.atlas import enlarged, original
+from graphtex_nodes.numerics.atlas import Stock, enlarged, original
 
 RNG = np.random.default_rng(7)
 ROW, COLUMN = np.mgrid[:40, :50]
@@ -11,7 +11,7 @@ SCALE = np.repeat(np.linspace(0.5, 2, 40, dtype=np.float32)[:, None], 50, axis=1
 
 
 def resampled_atlas(target=SCALE, mirror=False, largest=1.6):
-    return enlarged(original(PICTURE, SCALE, None), target, mirror=mirror, largest=largest, unit=8)
+    return enlarged([original(PICTURE, SCALE, None)], Stock(mirror, target, largest), unit=8)
 
 
 @pytest.mark.parametrize("mirror", [False, True])
@@ -63,7 +63,7 @@ def test_the_exemplar_itself_comes_first_and_copies_keep_apart(mirror):
 
 def test_mirror_alone():
     usable = RNG.random((40, 50)) < 0.8
-    atlas = enlarged(original(PICTURE, None, usable), None, mirror=True, largest=1.0, unit=4)
+    atlas = enlarged([original(PICTURE, None, usable)], Stock(mirror=True), unit=4)
     assert atlas.scale is None
     assert atlas.usable.sum() == 2 * usable.sum()
     np.testing.assert_array_equal(atlas.picture[-40:], PICTURE[:, ::-1])

@@ -1,6 +1,13 @@
 import numpy as np
+import pytest
 
-from graphtex_nodes.numerics.sources import coherence, coverage, replay, source_map
+from graphtex_nodes.numerics.sources import coherence, continued, coverage, shown, source_map
+
+RAMP = np.stack(np.mgrid[:9, :7], axis=-1).astype(np.float32)  # channels tell row and column
+
+
+def point(row, column, log=0.0, angle=0.0, mirrored=0):
+    return np.array([[0, row, column, log, angle, mirrored]], np.float32)
 
 
 def test_coherence_by_hand():
@@ -12,12 +19,58 @@ def test_coherence_by_hand():
 
 
 def test_coverage_counts_pixels_once():
-    assert coverage(np.array([[[0, 0], [0, 0], [1, 2]]]), (2, 3)) == 2 / 6
+    every = np.ones((2, 3), bool)
+    source = source_map(np.array([[[0, 0], [0, 0], [1, 2]]]))
+    assert coverage(source, [every]) == 2 / 6
+    source[0, 1, 0] = 1
+    assert coverage(source, [every, np.array([[True, False]])]) == 3 / 7
+    source[0, 1, 0] = 2  # a known pixel
+    assert coverage(source, [every, np.array([[True, False]])]) == 2 / 7
 
 
-def test_replay():
-    exemplar = np.arange(12, dtype=np.float32).reshape(3, 4, 1)
-    source = source_map(np.array([[[2, 3], [0, 1]]]))
-    assert source.shape == (1, 2, 6)
-    assert source.dtype == np.float32
-    assert replay(source, exemplar)[..., 0].tolist() == [[11, 1]]
+@pytest.mark.parametrize(
+    ("view", "expected"),
+    [
+        ({}, (5, 8)),
+        ({"log": 1.0}, (4.5, 6)),  # shown twice as large: half as far
+        ({"mirrored": 1}, (5, 0)),
+        ({"angle": 90.0}, (0, 5)),  # what lies to the right of a picture turned clockwise lay above it
+        ({"angle": 180.0}, (3, 0)),
+        ({"angle": 90.0, "mirrored": 1}, (0, 3)),
+    ],
+)
+def test_what_lies_beside_a_point_by_hand(view, expected):
+    """From row 4, column 4, one down and four to the right."""
+    np.testing.assert_allclose(continued(point(4, 4, **view), 1.0, 4.0)[0], expected, atol=1e-9)
+
+
+def test_whole_places_show_pixels():
+    points = np.concatenate([point(2, 3), point(8, 6, log=0.5), point(0, 0, angle=30, mirrored=1)])
+    np.testing.assert_array_equal(shown(RAMP, points), [[2, 3], [8, 6], [0, 0]])
+
+
+def test_between_pixels_a_ramp_is_a_ramp():
+    points = np.concatenate([point(4.25, 3.5), point(4.5, 2.75, log=-1)])
+    np.testing.assert_allclose(shown(RAMP, points), [[4.25, 3.5], [4.5, 2.75]], atol=0.02)
+
+
+def test_points_outside_show_the_border():
+    np.testing.assert_array_equal(shown(RAMP, point(-0.4, 7)), [[0, 6]])
+
+
+@pytest.mark.parametrize(
+    ("kind", "view", "expected"),
+    [
+        ("normal", {"mirrored": 1}, (-0.6, 0.0)),
+        ("normal", {"angle": 90.0}, (0.0, -0.6)),  # right becomes down, where a second component points up
+        ("normal-down", {"angle": 90.0}, (0.0, 0.6)),
+        ("normal", {"mirrored": 1, "angle": 90.0}, (0.0, 0.6)),
+        ("normal", {"angle": 45.0}, (0.6 * 0.5**0.5, -0.6 * 0.5**0.5)),
+    ],
+)
+def test_normals_turn_with_their_picture(kind, view, expected):
+    """A normal that leans to the right, (0.6, 0, 0.8); the scalar before it stays."""
+    stack = np.full((3, 3, 4), np.float32([0.3, 0.8, 0.5, 0.9]))
+    scalar, *normal = shown(stack, point(1, 1, **view), ["scalar", kind])[0]
+    assert scalar == np.float32(0.3)
+    np.testing.assert_allclose(np.array(normal) * 2 - 1, [*expected, 0.8], atol=1e-6)

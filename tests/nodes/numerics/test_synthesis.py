@@ -21,24 +21,26 @@ def run(problem, threads=1, seed=0, **settings):
     return synthesise(problem, plan, Settings(**settings), np.random.default_rng(seed), work)
 
 
-@pytest.mark.parametrize("problem", [Problem(EXEMPLAR, (50, 61)), Problem(EXEMPLAR, (50, 61), SCALE, TARGET)])
+@pytest.mark.parametrize(
+    "problem", [Problem(EXEMPLAR, (50, 61)), Problem(EXEMPLAR, (50, 61), SCALE[..., None], TARGET[..., None])]
+)
 def test_threads_and_bands_change_no_byte(problem, monkeypatch):
     first = run(problem)
     monkeypatch.setattr(parallel, "SLICE", 2e3)
     second = run(problem, threads=3)
     np.testing.assert_array_equal(first.image, second.image)
     np.testing.assert_array_equal(first.source, second.source)
-    assert first.energy == second.energy
+    assert first.energies == second.energies
     assert (run(problem, seed=1).source != first.source).any()
 
 
 def test_held_and_free_guides():
-    held = run(Problem(EXEMPLAR, (50, 61), SCALE, TARGET))
+    held = run(Problem(EXEMPLAR, (50, 61), SCALE[..., None], TARGET[..., None]))
     np.testing.assert_array_equal(held.image[..., 3], TARGET)
-    free = run(Problem(EXEMPLAR, (50, 61), SCALE, TARGET, hold=False))
+    free = run(Problem(EXEMPLAR, (50, 61), SCALE[..., None], TARGET[..., None], hold=False))
     assert free.image.shape == (50, 61, 4)
     assert (free.image[..., 3] != TARGET).any()
-    assert run(Problem(EXEMPLAR, (50, 61), SCALE)).image[..., 3].std() > 0.1
+    assert run(Problem(EXEMPLAR, (50, 61), SCALE[..., None])).image[..., 3].std() > 0.1
 
 
 def test_image_is_made_of_exemplar_values():
