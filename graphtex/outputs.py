@@ -1,7 +1,7 @@
 """Writes a run's outputs to files: each whole or not at all."""
 
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,17 @@ from graphtex.sockets import Gap
 
 
 class OutputError(GraphtexError):
-    """An output could not be written; names the file and the cause."""
+    """Outputs could not be written; a line for each, which names the file and the cause.
+
+    Attributes
+    ----------
+    written
+        The files of all outputs that could be written.
+    """
+
+    def __init__(self, message: str, written: Mapping[str, list[Path]] | None = None) -> None:
+        super().__init__(message)
+        self.written = dict(written or {})
 
 
 def write_outputs(result: RunResult, folder: Path) -> dict[str, list[Path]]:
@@ -26,12 +36,24 @@ def write_outputs(result: RunResult, folder: Path) -> dict[str, list[Path]]:
     Raises
     ------
     OutputError
-        If a file cannot be written or its format cannot hold the value; files written before stay.
+        If a file cannot be written or its format cannot hold the value; all others are written first.
     """
-    return {name: list(_write_output(output, result, folder)) for name, output in result.plan.outputs.items()}
+    written: dict[str, list[Path]] = {}
+    faults = []
+    for name, output in result.plan.outputs.items():
+        written[name] = []
+        for path, value in _files(output, result, folder):
+            try:
+                written[name].append(write_value(output, value, path))
+            except OutputError as error:
+                faults.append(str(error))
+    if faults:
+        raise OutputError("\n".join(faults), written)
+    return written
 
 
-def _write_output(output: PlannedOutput, result: RunResult, folder: Path) -> Iterator[Path]:
+def _files(output: PlannedOutput, result: RunResult, folder: Path) -> Iterator[tuple[Path, Any]]:
+    """Yield each file that an output is written to, and what it is to hold."""
     suffix = DEFAULT_SUFFIX.get(output.type.base.name)
     if output.file is None and suffix is None:
         return
@@ -42,7 +64,7 @@ def _write_output(output: PlannedOutput, result: RunResult, folder: Path) -> Ite
         return
     for name, item in _numbered(file, value) if isinstance(value, list) else [(file, value)]:
         if not isinstance(item, Gap):
-            yield write_value(output, item, folder / name)
+            yield folder / name, item
 
 
 def _numbered(file: str, items: list[Any]) -> Iterator[tuple[str, Any]]:

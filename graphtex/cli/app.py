@@ -17,14 +17,16 @@ from graphtex.cli.nodes import nodes
 from graphtex.cli.run import run
 from graphtex.cli.schema import schema
 from graphtex.cli.show import show
-from graphtex.cli.terminal import DONE, FAILED, INTERRUPTED, WRONG, complain, debug, say, trace
+from graphtex.cli.summary import error_object
+from graphtex.cli.terminal import DONE, FAILED, INTERRUPTED, WRONG, complain, debug, print_json, say, trace
 from graphtex.cli.why import why
-from graphtex.errors import GraphError, GraphtexError
+from graphtex.errors import GraphError, GraphtexError, Problem
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 DEBUG_VARIABLE = "GRAPHTEX_DEBUG"
+STATUS_WORDS = {FAILED: "failed", WRONG: "wrong", INTERRUPTED: "interrupted"}
 BROKEN_PIPE = 141  # what a shell reports for a program that SIGPIPE ended
 
 
@@ -64,7 +66,7 @@ def call(arguments: Sequence[str]) -> int:
     token = debug.set("--debug" in words[:end] or os.environ.get(DEBUG_VARIABLE, "") not in ("", "0"))
     words = [word for word in words[:end] if word != "--debug"] + words[end:]
     try:
-        status = _carry_out(words)
+        status = _carry_out(words, as_json="--json" in words[:end])
         sys.stdout.flush()
         return status
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
@@ -74,33 +76,37 @@ def call(arguments: Sequence[str]) -> int:
         debug.reset(token)
 
 
-def _carry_out(words: list[str]) -> int:
+def _carry_out(words: list[str], *, as_json: bool) -> int:
     app = make_app()
+
+    def fail(status: int, *problems: Problem) -> int:
+        if as_json:
+            print_json(error_object(STATUS_WORDS[status], problems))
+        complain(problems)
+        return status
+
     try:
         status = app(spread(words), print_error=False, exit_on_error=False)
         return status if isinstance(status, int) else DONE
     except CycloptsError as error:
         chain = " ".join(("graphtex", *(error.command_chain or ())))
-        say(f"{chain}: {_one_line(str(error))} (see {chain} --help)", "red")
-        return WRONG
+        return fail(WRONG, Problem("", 0, 0, chain, f"{_one_line(str(error))} (see {chain} --help)"))
     except GraphError as error:
         trace(error)
-        complain(error.problems)
-        return WRONG
+        return fail(WRONG, *error.problems)
     except BrokenPipeError:
         raise
     except (KeyboardInterrupt, GraphtexError, MemoryError) as error:
         trace(error)
         if isinstance(error, KeyboardInterrupt):
             say("interrupted", "yellow")
-            return INTERRUPTED
-        say(str(error) or "out of memory", "red")
-        return FAILED
+            return fail(INTERRUPTED)
+        return fail(FAILED, Problem("", 0, 0, "", str(error) or "out of memory"))
     except Exception as error:  # noqa: BLE001 (a fault of ours or of a pack: one line, and how to see the rest)
         trace(error)
         hint = f"a fault in graphtex or a node pack; --debug or {DEBUG_VARIABLE}=1 shows the traceback"
-        say(f"internal error: {type(error).__name__}: {_one_line(str(error))} ({hint})", "red")
-        return FAILED
+        message = f"{type(error).__name__}: {_one_line(str(error))} ({hint})"
+        return fail(FAILED, Problem("", 0, 0, "internal error", message))
 
 
 def _one_line(text: str) -> str:

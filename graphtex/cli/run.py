@@ -69,7 +69,7 @@ def run(
     report
         An HTML file to write: the outputs, what ran and how long it took.
     json
-        Print one JSON object in place of the paths.
+        Print one JSON object in place of the paths, also if the run fails or is refused.
     quiet
         Tell nothing of the progress.
     """
@@ -154,6 +154,10 @@ def carry_out(job: Job) -> int:
                 result = interrupts.run(lambda: _run(job, display, interrupts.cancel))
         except Cancelled:
             display.close()
+            if job.as_json:
+                from graphtex.cli.summary import stopped_object
+
+                print_json(stopped_object(job.graph, _seed(job), display.tally))
             say(f"interrupted{'' if job.cache is False else '; finished nodes are cached'}", "yellow")
             return INTERRUPTED
         except NodeFailed as error:
@@ -197,6 +201,7 @@ def _deliver(job: Job, result: "RunResult", tally: "Tally") -> bool:
     try:
         written = write_outputs(result, job.folder)
     except OutputError as error:
+        written = error.written
         say(str(error), "red")
         fine = False
     if job.report is not None:
@@ -213,13 +218,16 @@ def _deliver(job: Job, result: "RunResult", tally: "Tally") -> bool:
     if job.as_json:
         from graphtex.cli.summary import run_object
 
-        seed = job.graph.seed if job.seed is None else job.seed
-        print_json(run_object(result, written, seed, seconds, done=fine and not result.failed))
+        print_json(run_object(result, written, _seed(job), seconds, done=fine and not result.failed))
     else:
         for paths in written.values():
             for path in paths:
                 out(str(path))
     return fine
+
+
+def _seed(job: Job) -> int:
+    return job.graph.seed if job.seed is None else job.seed
 
 
 def _check_folder(folder: Path, option: str) -> None:

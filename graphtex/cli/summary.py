@@ -1,11 +1,16 @@
-"""A run as one JSON object."""
+"""A run, or why there is none, as one JSON object."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from graphtex.errors import Problem
+
 if TYPE_CHECKING:
+    from graphtex.cli.tally import Tally
+    from graphtex.document import Document
     from graphtex.run import RunResult
 
 
@@ -45,3 +50,26 @@ def run_object(
             "seconds": round(seconds, 6),
         },
     }
+
+
+def stopped_object(graph: "Document", seed: int, tally: "Tally") -> dict[str, Any]:
+    """Return what had ended when a run was stopped, as plain data."""
+    from graphtex.shipped import graph_identity
+
+    return {
+        "graph": graph_identity(graph.file),
+        "seed": seed,
+        "status": "interrupted",
+        "outputs": {},
+        "nodes": [{"id": task, "node": tally.nodes[task], "status": status} for task, status in tally.ended.items()],
+        "totals": {
+            "nodes": len(tally.nodes),
+            **{status: tally.number(status) for status in ("ran", "cached", "failed", "skipped")},
+            "seconds": round(tally.seconds, 6),
+        },
+    }
+
+
+def error_object(status: str, problems: Iterable[Problem]) -> dict[str, Any]:
+    """Return why a command gave nothing, as plain data: ``wrong``, ``failed`` or ``interrupted``, and each problem."""
+    return {"status": status, "problems": [asdict(problem) for problem in problems]}

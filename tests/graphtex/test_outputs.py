@@ -84,9 +84,10 @@ def test_a_file_that_cannot_be_written_is_as_it_was(tmp_path, how, told):
     writer(Number, suffixes=(".half",))(half)
     (tmp_path / "m.half").write_text("old")
     with pytest.raises(OutputError) as caught:
-        write(tmp_path, ONE, f"a: one, m: {{from: m, file: m.half, how: {how}}}")
+        write(tmp_path, ONE, f"m: {{from: m, file: m.half, how: {how}}}, a: one")
     assert str(caught.value) == f"{tmp_path}/m.half: {told}"
     assert (tmp_path / "m.half").read_text() == "old"
+    assert caught.value.written == {"m": [], "a": [tmp_path / "a.tex"]}
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.tex", "m.half"]
 
 

@@ -48,12 +48,15 @@ def test_a_signal_stops_the_run_and_what_finished_is_cached(
     environment: dict[str, str], process: Process, folder: Path, number: signal.Signals
 ) -> None:
     (folder / "slow.yaml").write_text(SLOW)
-    running = start(environment, folder, "run", "slow.yaml")
+    running = start(environment, folder, "run", "slow.yaml", "--json")
     wait_for(running, "long: Slow runs")
     running.send_signal(number)
     out, err = running.communicate(timeout=30)
     assert running.returncode == 130
-    assert (out, err.splitlines()[-1]) == ("", "interrupted; finished nodes are cached")
+    assert err.splitlines()[-1] == "interrupted; finished nodes are cached"
+    stopped = json.loads(out)
+    assert (stopped["status"], stopped["outputs"], stopped["totals"]["ran"]) == ("interrupted", {}, 1)
+    assert [node["status"] for node in stopped["nodes"]] == ["ran"]
     forecast = json.loads(process("run", "slow.yaml", "--dry-run", "--json").out)["nodes"]
     assert [node["forecast"] for node in forecast] == ["cached", "runs"]
 
