@@ -24,6 +24,7 @@ from graphtex.run import run
 from graphtex.show.style import TYPE_COLOURS
 from graphtex.sockets import (
     TYPES,
+    AngleMap,
     Directions,
     Displacement,
     Elements,
@@ -49,6 +50,7 @@ class Everything(NamedTuple):
     image: Image
     mask: Mask
     scale: ScaleMap
+    angle: AngleMap
     labels: LabelMap
     points: Points
     vector: Vector
@@ -72,7 +74,7 @@ def everything(image: Image) -> Everything:
     source, ones = np.zeros((height, width, 6), np.float32), np.ones((height, width), np.float32)
     views = np.stack([image, image / 2])
     return Everything(
-        image, mask, ones, labels, points, np.array([1.0, 2.0]), source[..., :2], source,
+        image, mask, ones, 90 * ones, labels, points, np.array([1.0, 2.0]), source[..., :2], source,
         0.25, views, np.zeros((2, 4)), Elements(points, np.zeros(2), np.ones(2)), Texture(image, mask, points, "rigid"),
         ViewStack(views, np.zeros((2, 4))),
     )  # fmt: skip
