@@ -38,6 +38,9 @@ from graphtex_nodes.perspective.complete import complete
 from graphtex_nodes.perspective.exemplar_inpaint import exemplar_inpaint
 from graphtex_nodes.perspective.feature_mask import feature_mask
 from graphtex_nodes.perspective.feature_scale import feature_scale
+from graphtex_nodes.perspective.flow_from_image import flow_from_image
+from graphtex_nodes.perspective.flow_from_strokes import flow_from_strokes
+from graphtex_nodes.perspective.flow_pattern import flow_pattern
 from graphtex_nodes.perspective.optimize import optimize
 from graphtex_nodes.perspective.replay import replay
 from graphtex_nodes.perspective.resize_scale import resize_scale
@@ -56,6 +59,9 @@ __all__ = [
     "exemplar_inpaint",
     "feature_mask",
     "feature_scale",
+    "flow_from_image",
+    "flow_from_strokes",
+    "flow_pattern",
     "flowers",
     "grey",
     "image_from_angles",
