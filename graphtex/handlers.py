@@ -21,12 +21,18 @@ View = Callable[[Any], NDArray[np.uint8]]
 
 @dataclass(frozen=True)
 class Writer:
-    """Writes values of one type to files of some suffixes."""
+    """Writes values of one type to files of some suffixes; `check` refuses options that a suffix does not go with."""
 
     type_name: str
     suffixes: tuple[str, ...]
     function: Callable[..., None]
     options: type[BaseModel]
+    check: Callable[..., None] | None = None
+
+    def require(self, suffix: str, options: BaseModel) -> None:
+        """Raise ValueError if files of a suffix cannot be written with these options, whatever the value."""
+        if self.check is not None:
+            self.check(suffix.lower(), **fields(options))
 
 
 @dataclass(frozen=True)
@@ -38,6 +44,11 @@ class Opener:
     parameter: str
     suffixes: tuple[str, ...] = ()
     scheme: str = ""
+
+
+def fields(model: BaseModel) -> dict[str, Any]:
+    """Return a model's values by name, models in it as they are."""
+    return {key: getattr(model, key) for key in type(model).model_fields}
 
 
 VIEWS: dict[str, View] = {}
@@ -91,11 +102,18 @@ def view(hint: Any) -> Callable[[F], F]:
     return register
 
 
-def writer(hint: Any, *, suffixes: tuple[str, ...], default: str | None = None) -> Callable[[F], F]:
+def writer(
+    hint: Any,
+    *,
+    suffixes: tuple[str, ...],
+    default: str | None = None,
+    check: Callable[..., None] | None = None,
+) -> Callable[[F], F]:
     """Decorate ``f(value, path, *, option=...)``: writes the type to files with these suffixes.
 
     Keyword-only arguments become keys of an output entry in a graph file. The caller passes a temporary path that
-    ends in the right suffix and renames it; ValueError says what the format cannot hold.
+    ends in the right suffix and renames it; ValueError says what the format cannot hold. ``check(suffix, option=...)``
+    says so of options alone: it is called when a graph is checked, before anything has run.
     """
     kind = _type_of(hint, "writer")
 
@@ -110,7 +128,7 @@ def writer(hint: Any, *, suffixes: tuple[str, ...], default: str | None = None) 
             _refuse_second(f"a writer of {kind.name} as {suffix}", known.function if known else None, function)
         keywords = [p for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY]
         options = parameters_model(name, keywords, get_type_hints(function, include_extras=True))
-        entry = Writer(kind.name, ends, function, options)
+        entry = Writer(kind.name, ends, function, options, check)
         WRITERS.update({(kind.name, suffix): entry for suffix in ends})
         if default is not None:
             DEFAULT_SUFFIX[kind.name] = default

@@ -7,7 +7,7 @@ from typing import Any
 
 from graphtex.cache import EntryLost
 from graphtex.errors import GraphtexError
-from graphtex.handlers import DEFAULT_SUFFIX, find_writer
+from graphtex.handlers import DEFAULT_SUFFIX, fields, find_writer
 from graphtex.parameters import validate
 from graphtex.plan import PlannedOutput
 from graphtex.run import RunResult
@@ -85,7 +85,7 @@ def write_value(output: PlannedOutput, value: Any, path: Path) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         scratch = path.parent / f".{path.stem[:40]}-{uuid.uuid4().hex}{path.suffix}"
         try:
-            writer.function(value, scratch, **{key: getattr(options, key) for key in type(options).model_fields})
+            writer.function(value, scratch, **fields(options))
             scratch.replace(path)
         finally:
             scratch.unlink(missing_ok=True)

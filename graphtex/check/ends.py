@@ -56,12 +56,23 @@ def output_problems(links: Links) -> list[Problem]:
     written: dict[str, str] = {}
     for name, output in graph.outputs.items():
         problems += _output_problems(links, ("outputs", name), output)
-        if output.file is not None:
-            first = written.setdefault(str(PurePosixPath(output.file)), name)
-            if first != name:
-                told = f"{output.file} is written by the output {first} too"
-                problems.append(graph.problem(("outputs", name, "file"), told))
+        file = output.file if output.file is not None else _default_file(links, name, output)
+        first = written.setdefault(str(PurePosixPath(file)), name) if file else name
+        if first != name:
+            place: Place = ("outputs", name, "file") if output.file is not None else ("outputs", name)
+            problems.append(graph.problem(place, f"{file} is written by the output {first} too"))
     return problems
+
+
+def _default_file(links: Links, name: str, output: Output) -> str:
+    """Return the file of an output that names none; nothing if it has none or is wrong in itself."""
+    path: Place = ("outputs", name)
+    try:
+        kind = links.type_of(path, reference(links.graph, path, output.source))
+    except GraphError:
+        return ""
+    suffix = DEFAULT_SUFFIX.get(kind.base.name)
+    return f"{name}{suffix}" if suffix else ""
 
 
 def _output_problems(links: Links, path: Place, output: Output) -> list[Problem]:
@@ -83,7 +94,13 @@ def _output_problems(links: Links, path: Place, output: Output) -> list[Problem]
         entry = find_writer(kind.base, suffix)
     except ValueError as error:
         return [*problems, graph.problem((*path, "file") if output.file else place, str(error))]
-    for where, text in validate(entry.options, output.options)[1]:
+    options, faults = validate(entry.options, output.options)
+    if options is not None:
+        try:
+            entry.require(suffix, options)
+        except ValueError as error:
+            problems.append(graph.problem((*path, "file") if output.file else place, str(error)))
+    for where, text in faults:
         unknown = text.startswith("unknown parameter")
         told = text.replace("parameter", "option") if unknown else text
         problems.append(graph.problem((*path, *where), told, key=unknown))

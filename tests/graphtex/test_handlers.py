@@ -92,6 +92,20 @@ def test_what_nothing_opens_is_told_with_what_would_fit(text, told):
     assert str(caught.value).startswith(told)
 
 
+def no_digits(suffix: str, *, digits: int) -> None:
+    if suffix == ".ppm" and digits != 3:
+        raise ValueError(f"PPM has 3 digits; got {digits}")
+
+
+def test_a_writer_s_check_tells_what_options_a_suffix_goes_with():
+    writer(Image, suffixes=(".png", ".ppm"), check=no_digits)(save)
+    found = find_writer(IMAGE, ".PPM")
+    found.require(".PNG", found.options(digits=2))
+    found.require(".PPM", found.options(digits=3))
+    with pytest.raises(ValueError, match="PPM has 3 digits; got 2"):
+        found.require(".PPM", found.options(digits=2))
+
+
 def test_what_cannot_be_written_is_told_with_what_would_fit():
     writer(Image, suffixes=(".png",))(save)
     with pytest.raises(ValueError, match=r"Image cannot be written as '.pmg'; did you mean '.png'"):

@@ -29,13 +29,24 @@ from graphtex import (
 )
 from graphtex_nodes.image.files.colour import Encoding
 from graphtex_nodes.image.files.encode import encode, write_deep, write_tiff
-from graphtex_nodes.image.files.formats import WRITABLE, Depth
+from graphtex_nodes.image.files.formats import WRITABLE, Depth, require_options
 from graphtex_nodes.image.files.labels import palette
 
 DATA_SUFFIXES = (".npy", ".tiff", ".tif", ".exr")
 
 
-@writer(Image, suffixes=WRITABLE, default=".png")
+def _check_image(
+    suffix: str, *, depth: Depth | None = None, quality: int | None = None, encoding: Encoding = "auto"
+) -> None:
+    require_options(suffix, depth=depth, quality=quality)
+
+
+def _only_png(suffix: str, *, depth: int | None = None) -> None:
+    if depth is not None and suffix != ".png":
+        raise ValueError(f"depth is for .png, the other formats hold the data itself; got {depth}: leave it out")
+
+
+@writer(Image, suffixes=WRITABLE, default=".png", check=_check_image)
 def save_image(
     value: NDArray[Any],
     path: Path,
@@ -52,7 +63,7 @@ def save_image(
     encode(value, path, depth=depth, quality=quality, encoding=encoding)
 
 
-@writer(Mask, suffixes=(".png", ".npy"), default=".png")
+@writer(Mask, suffixes=(".png", ".npy"), default=".png", check=_only_png)
 def save_mask(
     value: NDArray[np.bool_],
     path: Path,
@@ -60,8 +71,8 @@ def save_mask(
     depth: Annotated[Literal[1, 8] | None, Field(description="bits of a .png; default 8")] = None,
 ) -> None:
     """Write a mask: True is white."""
+    _only_png(path.suffix.lower(), depth=depth)
     if path.suffix.lower() == ".npy":
-        _only_png(depth)
         _save_npy(value, path)
         return
     from PIL import Image as Pictures
@@ -70,7 +81,7 @@ def save_mask(
     (picture.convert("1", dither=Pictures.Dither.NONE) if depth == 1 else picture).save(path, "PNG")
 
 
-@writer(ScaleMap, suffixes=(".tiff", ".tif", ".exr", ".npy", ".png"), default=".tiff")
+@writer(ScaleMap, suffixes=(".tiff", ".tif", ".exr", ".npy", ".png"), default=".tiff", check=_only_png)
 def save_scale(
     value: NDArray[np.float32],
     path: Path,
@@ -81,8 +92,8 @@ def save_scale(
 
     The view rounds to steps of 1/128 (1/32768) and clips from 255/128 (65535/32768) on.
     """
+    _only_png(path.suffix.lower(), depth=depth)
     if path.suffix.lower() != ".png":
-        _only_png(depth)
         _save_data(value[..., None], path)
     elif depth == 16:
         grey = np.rint(np.clip(value * 32768.0, 0, 65535)).astype(np.uint16)
@@ -161,11 +172,6 @@ def save_texture(value: Texture, path: Path) -> None:
 def save_views(value: ViewStack, path: Path) -> None:
     """Write the fields ``views`` and ``directions`` as a NumPy archive, without pickles."""
     _save_npz(path, views=value.views, directions=value.directions)
-
-
-def _only_png(depth: int | None) -> None:
-    if depth is not None:
-        raise ValueError(f"depth is for .png, the other formats hold the data itself; got {depth}: leave it out")
 
 
 def _save_data(value: NDArray[Any], path: Path) -> None:

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image as Pictures
 
-from graphtex import Elements, Texture, ViewStack
+from graphtex import Elements, GraphError, Texture, ViewStack
+from graphtex.graph import loads
 from graphtex.handlers import DEFAULT_SUFFIX, WRITERS
 from graphtex.packs import registry
 from graphtex_nodes.image.files.colour import decode_srgb, encode_srgb, to_samples
@@ -346,3 +347,34 @@ def test_docs_are_true(tmp_path):
     assert f"{MOST_PIXELS:,} pixels" in text
     assert table() in text
     assert types_table() in text
+
+
+@pytest.mark.parametrize(
+    ("output", "told"),
+    [
+        ("{from: a, file: ‸x.jpg, depth: 16}", "JPEG holds 8 bit; got depth 16: write .png or .tif"),
+        ("{from: a, file: ‸x.png, depth: half}", "PNG holds 8 bit or 16 bit; got depth half: write .tif or .exr"),
+        ("{from: a, file: ‸x.hdr, depth: float}", "Radiance HDR has one depth of its own; got depth float"),
+        ("{from: ‸a, quality: 90}", "PNG has no quality; got quality 90: write .jpg or .webp or leave it out"),
+        ("{from: s, file: ‸x.npy, depth: 16}", "depth is for .png, the other formats hold the data itself; got 16"),
+        ("{from: m, file: ‸x.npy, depth: 1}", "depth is for .png, the other formats hold the data itself; got 1"),
+        ("{from: m, file: ‸a.png}", "a.png is written by the output a too"),
+    ],
+)
+def test_options_that_a_format_has_not_are_told_before_anything_runs(output, told):
+    text = f"""\
+graphtex: 1
+nodes:
+  a: {{node: Sample, name: gravel}}
+  m: {{node: MaskFromImage, image: a}}
+  s: {{node: FeatureScale, mask: m}}
+outputs:
+  a: a
+  out: {output}
+"""
+    line = next(line for line in text.splitlines() if "‸" in line)
+    with pytest.raises(GraphError) as caught:
+        loads(text.replace("‸", ""))
+    (problem,) = caught.value.problems
+    assert (problem.line, problem.column) == (8, line.index("‸") + 1)
+    assert problem.message.startswith(told)

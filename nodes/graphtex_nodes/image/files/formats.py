@@ -80,28 +80,19 @@ def sniff(head: bytes) -> str | None:
     return next((name for magic, name in _MAGIC if head.startswith(magic)), None)
 
 
-def format_of(path: Path) -> Format:
+def format_of(suffix: str) -> Format:
     """Return the format that a suffix names; ValueError lists those that can be written."""
-    found = next((entry for entry in FORMATS if path.suffix.lower() in entry.suffixes), None)
+    found = next((entry for entry in FORMATS if suffix.lower() in entry.suffixes), None)
     if found is None:
-        raise ValueError(f"{path.name}: pictures are written as {_either(WRITABLE)}, got {path.suffix or 'no suffix'}")
+        raise ValueError(f"pictures are written as {_either(WRITABLE)}, got {suffix or 'no suffix'}")
     return found
 
 
-def require(path: Path, shape: tuple[int, int, int], depth: Depth | None, quality: int | None) -> tuple[Format, Depth]:
-    """Return the format of a path and the depth to write; for HDR, which has one of its own, ``"float"``.
-
-    Raises
-    ------
-    ValueError
-        If the format does not hold that many channels, that depth, such a size, or knows no quality.
-    """
-    entry = format_of(path)
-    height, width, channels = shape
-    if channels not in entry.channels:
-        raise ValueError(
-            f"{entry.name} holds {_either(entry.channels)} channels; got {channels}: write {_others(depth, channels)}"
-        )
+def require_options(
+    suffix: str, *, depth: Depth | None = None, quality: int | None = None, channels: int | None = None
+) -> None:
+    """Raise ValueError if a format does not hold that depth or knows no quality; `channels` narrows what it advises."""
+    entry = format_of(suffix)
     if depth is not None and depth not in entry.depths:
         holds = (
             f"holds {_either([depth_name(each) for each in entry.depths])}"
@@ -112,6 +103,23 @@ def require(path: Path, shape: tuple[int, int, int], depth: Depth | None, qualit
     if quality is not None and not entry.quality:
         lossy = [other.suffixes[0] for other in FORMATS if other.quality]
         raise ValueError(f"{entry.name} has no quality; got quality {quality}: write {_either(lossy)} or leave it out")
+
+
+def require(path: Path, shape: tuple[int, int, int], depth: Depth | None, quality: int | None) -> tuple[Format, Depth]:
+    """Return the format of a path and the depth to write; for HDR, which has one of its own, ``"float"``.
+
+    Raises
+    ------
+    ValueError
+        If the format does not hold that many channels, that depth, such a size, or knows no quality.
+    """
+    entry = format_of(path.suffix)
+    height, width, channels = shape
+    if channels not in entry.channels:
+        raise ValueError(
+            f"{entry.name} holds {_either(entry.channels)} channels; got {channels}: write {_others(depth, channels)}"
+        )
+    require_options(path.suffix, depth=depth, quality=quality, channels=channels)
     if max(height, width) > entry.largest_side:
         raise ValueError(f"{entry.name} holds sides up to {entry.largest_side} pixels; got {width} x {height}")
     return entry, depth or (entry.depths[0] if entry.depths else "float")
@@ -122,11 +130,11 @@ def depth_name(depth: Depth) -> str:
     return depth if isinstance(depth, str) else f"{depth} bit"
 
 
-def _others(depth: Depth | None, channels: int) -> str:
+def _others(depth: Depth | None, channels: int | None) -> str:
     fitting = [
         entry.suffixes[0]
         for entry in FORMATS
-        if channels in entry.channels and (depth is None or depth in entry.depths)
+        if (channels is None or channels in entry.channels) and (depth is None or depth in entry.depths)
     ]
     return _either(fitting)
 
