@@ -1,6 +1,7 @@
 """Turns a graph and the values of its inputs into a `Plan`: checks both, then expands."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.expand import Expander, Scope
 from graphtex.inputs import check_seed
 from graphtex.links import Links
-from graphtex.plan import Plan
+from graphtex.plan import Plan, PlannedOutput, Task
 from graphtex.values import Bound, Scalar, Values
 
 
@@ -46,7 +47,15 @@ def bind(
     outputs = expander.expand(Scope(links, "", bound, seed))
     if expander.problems:
         raise GraphError(expander.problems)
-    return Plan(graph, values.tasks, values.given, outputs)
+    return Plan(graph, _spared(values, outputs), values.given, outputs)
+
+
+def _spared(values: Values, outputs: Mapping[str, PlannedOutput]) -> dict[str, Task]:
+    """Return the tasks; what opens a file for nothing but cells that may fail may fail itself, at the cost of those."""
+    needed = {slot.task for task in values.tasks.values() if not task.cell for slot in task.slots}
+    needed.update(slot.task for output in outputs.values() for slot in output.slots)
+    spared = values.openers() - needed
+    return {key: replace(task, cell=key) if key in spared else task for key, task in values.tasks.items()}
 
 
 def _seed(graph: Document, seed: int | None) -> tuple[int, list[Problem]]:

@@ -46,7 +46,8 @@ class Task:
     seed, spawn_key
         Entropy of the node's random stream.
     cell
-        The id of the cell of an `each:` with ``on_error: keep`` that it is in: the run goes on if it fails.
+        The id of the cell of an `each:` with ``on_error: keep`` that it is in: the run goes on if it fails. What
+        opens a file for such cells alone is a cell of its own.
     place
         Where the entry stands: an example problem with file, line and column.
     """

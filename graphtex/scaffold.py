@@ -2,6 +2,7 @@
 
 import keyword
 import re
+from importlib.util import find_spec
 from pathlib import Path
 from string import Template
 
@@ -16,18 +17,17 @@ def new_pack(name: str, folder: Path) -> list[Path]:
     Raises
     ------
     GraphError
-        If the name cannot be a package's, or the folder is there already; nothing is written then.
+        If the name cannot be a package's or is one that Python knows, or the folder is there already; nothing is
+        written then.
     """
     package = name.replace("-", "_")
-    if (
-        not re.fullmatch(r"[a-z][a-z0-9_-]*", name)
-        or keyword.iskeyword(package)
-        or package in ("graphtex", "graphtex_nodes")
-    ):
-        raise _refused(name, "a pack's name is lower-case letters, digits, - and _, and no name that is taken")
+    if not re.fullmatch(r"[a-z][a-z0-9_-]*", name) or keyword.iskeyword(package):
+        raise _refused(name, "a pack's name is lower-case letters, digits, - and _, and no word of Python's")
     target = folder / name
     if target.exists():
         raise _refused(name, f"{str(target)!r} is there already")
+    if find_spec(package) is not None:
+        raise _refused(name, f"the Python package {package} is installed already; a pack needs a name of its own")
     places = {
         "pyproject.toml": "pyproject.toml",
         "README.md": "README.md",

@@ -75,6 +75,10 @@ class Values:
         slot = Slot(task, next(iter(opener.node.outputs)))
         return self._opened.setdefault((opener.node.name, text), slot)
 
+    def openers(self) -> set[str]:
+        """Return the tasks that open a path or name."""
+        return {slot.task for slot in self._opened.values()}
+
 
 def scalar(kind: Input, value: Any, base: Path) -> Scalar:
     """Return the value of an input for parameters, files absolute; ValueError if the input does not admit it."""

@@ -5,6 +5,7 @@ API: ``KeyParts(...)`` with ``key()``, ``to_json()``, ``from_json(obj)``; ``envi
 """
 
 import platform
+import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -224,8 +225,14 @@ def _nested(prefix: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iter
     for name, a, b in _pairs(prefix, old, new):
         if isinstance(a, dict) and isinstance(b, dict):
             yield from _nested(f"{name}.", a, b)
+        elif _is_digest(a) and _is_digest(b):  # of a file
+            yield f"content of {name}", _Digest(a), _Digest(b)
         else:
             yield name, a, b
+
+
+def _is_digest(value: Any) -> bool:
+    return isinstance(value, str) and re.fullmatch("[0-9a-f]{64}", value) is not None
 
 
 def _differ(a: Any, b: Any) -> bool:
@@ -239,7 +246,7 @@ def _show(value: Any) -> str:
         return ABSENT
     if isinstance(value, _Digest):
         return value[:12]
-    if isinstance(value, list) and value and all(isinstance(item, str) and len(item) == 64 for item in value):
+    if isinstance(value, list) and value and all(map(_is_digest, value)):
         return f"{len(value)} values"
     text = value if isinstance(value, str) else canonical_json(value)
     return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."

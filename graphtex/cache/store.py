@@ -219,7 +219,7 @@ class Store:
                 return _read_npy(file, digest)
         except FileNotFoundError:
             raise MissingEntry(f"{path} is gone") from None
-        except (OSError, ValueError, TypeError, LookupError, RecursionError, MemoryError) as error:
+        except (OSError, ValueError, MemoryError) as error:
             raise self._damaged(path, str(error)) from error
 
     def _expect(self, path: Path, right: bool, what: str) -> None:
@@ -246,12 +246,14 @@ def _read_npy(file: BufferedReader, digest: str) -> tuple[ArrayHeader, NDArray[A
     """
     size = file.seek(0, 2)
     file.seek(max(0, size - _LONGEST_LINE))
-    line = file.read().rsplit(b"\n", 2)[-2]
-    told = json.loads(line)
-    header = ArrayHeader(told["type"], told["dtype"], tuple(told["shape"]))
-    dtype = np.dtype(header.dtype)
-    start, end = npy_header(header), b"\n" + header.line()
-    count = int(np.prod([int(n) for n in header.shape], dtype=object))
+    try:
+        told = json.loads(file.read().rsplit(b"\n", 2)[-2])
+        header = ArrayHeader(told["type"], told["dtype"], tuple(told["shape"]))
+        dtype = np.dtype(header.dtype)
+        start, end = npy_header(header), b"\n" + header.line()
+        count = int(np.prod([int(n) for n in header.shape], dtype=object))
+    except (ValueError, TypeError, LookupError, RecursionError) as error:
+        raise ValueError("it does not end as it must") from error
     if dtype.kind not in "biufc" or size != len(start) + count * dtype.itemsize + len(end):
         raise ValueError("its size does not fit what it says it holds")
     file.seek(0)

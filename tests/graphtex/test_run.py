@@ -390,6 +390,30 @@ def test_a_sub_graph_that_may_fail_is_one_gap(tmp_path):
     assert result["r"] == len("c[1]") + len("needs c[1]/f, which failed")
 
 
+PICTURES = "  pictures: {type: 'list[Image]'}\n"
+EACH_PICTURE = "  c: {node: Add, each: {image: $pictures}, on_error: keep}\n  s: {node: Survey, cells: c}\n"
+
+
+@pytest.mark.parametrize("how", [{}, {"executor": "threads", "workers": 2}])
+def test_a_file_that_cannot_be_opened_costs_only_the_cells_that_read_it(tmp_path, how):
+    for name, text in {"a": "1", "b": "no number", "c": "3"}.items():
+        (tmp_path / f"{name}.tex").write_text(text)
+    result = run(graph(EACH_PICTURE, PICTURES, "s: s"), {"pictures": tmp_path}, cache=False, **how)
+    assert values(result, "s") == [2, -1, 4]
+    assert result.failed
+    assert result.reports["$pictures[1]"].status == "failed"
+    assert result.reports["c[1]"].message == "needs $pictures[1], which failed"
+
+
+@pytest.mark.parametrize(
+    ("more", "outputs"), [("  w: {node: Survey, cells: $pictures}\n", "s: s, w: w"), ("", "s: s, p: $pictures")]
+)
+def test_a_file_that_something_else_needs_too_ends_the_run(tmp_path, more, outputs):
+    (tmp_path / "b.tex").write_text("no number")
+    with pytest.raises(NodeFailed, match="could not convert string"):
+        run(graph(EACH_PICTURE + more, PICTURES, outputs), {"pictures": tmp_path}, cache=False)
+
+
 @pytest.mark.parametrize("how", [{}, {"executor": "threads", "workers": 2}])
 def test_the_first_failure_ends_the_run_and_what_had_finished_stays(tmp_path, how):
     g = graph("  one: {node: Const, value: 3}\n  two: {node: Add, image: one}\n  f: {node: Fragile, image: two, value: 1, bad: $bad}\n"

@@ -50,9 +50,17 @@ def test_graph_is_right(tmp_path: Path):
     assert check(graph) == []
 
 
-@pytest.mark.parametrize("name", ["Posters", "9lives", "class", "graphtex", "a b", "../up"])
+@pytest.mark.parametrize("name", ["Posters", "9lives", "class", "a b", "../up"])
 def test_refuses_names(tmp_path: Path, name: str):
     with pytest.raises(GraphError, match="a pack's name"):
+        new_pack(name, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["graphtex", "graphtex-nodes", "numpy", "json"])
+def test_refuses_names_of_installed_packages(tmp_path: Path, name: str):
+    """Installed, the pack would stand in for them."""
+    with pytest.raises(GraphError, match=f"the Python package {name.replace('-', '_')} is installed already"):
         new_pack(name, tmp_path)
     assert list(tmp_path.iterdir()) == []
 

@@ -78,6 +78,14 @@ def test_each_change_makes_another_key_and_is_told(new, told):
     assert changes(new) == [told]
 
 
+def test_a_file_is_told_by_its_content():
+    old, new = params(path="a" * 64, texts={"b": "1" * 64}), params(path="b" * 64, texts={"b": "2" * 64})
+    assert [str(change) for change in explain(old, new)] == [
+        "content of parameter path: aaaaaaaaaaaa -> bbbbbbbbbbbb",
+        "content of parameter texts.b: 111111111111 -> 222222222222",
+    ]
+
+
 def test_several_changes_are_told_in_order():
     new = dataclasses.replace(params(window=32), entropy=None, version=2)
     assert [change.what for change in explain(BASE, new)] == [

@@ -238,7 +238,12 @@ def test_a_type_that_nobody_declares(tmp_path):
 def test_a_cut_file_is_written_anew(store):
     digest = store.put("Map", np.arange(9))
     path = only_file(store)
-    path.write_bytes(path.read_bytes()[:-1])
+    whole = path.read_bytes()
+    for length in (100, len(whole) - 1):
+        path.write_bytes(whole[:length])
+        with pytest.raises(DamagedEntry, match="it does not end as it must"):
+            store.get("Map", digest)
+    path.write_bytes(whole[:-1])
     store.put("Map", np.arange(9))
     np.testing.assert_array_equal(store.get("Map", digest), np.arange(9))
 

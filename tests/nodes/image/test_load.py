@@ -319,14 +319,27 @@ def test_profile_that_does_not_fit(tmp_path, broken, dtype):
 
 @pytest.mark.parametrize("share", [0.02, 0.5, 0.95])
 @pytest.mark.parametrize("name", ["a.png", "deep.png", "a.jpg", "a.tif", "a.webp", "a.exr", "a.hdr", "a.npy"])
-def test_cut_off(tmp_path, share, name):
-    """A file of noise, so that a part of it is not the whole picture."""
+def test_cut_off(tmp_path, share, name, capfd):
+    """A file of noise, so that a part of it is not the whole picture; the libraries below print nothing of their own."""
     path = tmp_path / name
     encode(noise(60, 60, 3, dtype="float32"), path, depth=16 if name == "deep.png" else None)
     path.write_bytes(path.read_bytes()[: int(path.stat().st_size * share)])
     with pytest.raises(ValueError, match=rf"{name}: (no array, or )?damaged") as caught:
         load(path)
     assert "\n" not in str(caught.value)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("at", [20, 300, -3])
+def test_a_deep_png_with_a_wrong_byte(tmp_path, at, capfd):
+    path = tmp_path / "deep.png"
+    encode(noise(8, 9, 3, dtype="float32"), path, depth=16)
+    data = bytearray(path.read_bytes())
+    data[at] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(ValueError, match=r"deep\.png: damaged: a chunk does not fit its checksum"):
+        load(path)
+    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize(("name", "suffix"), [("GIF", "gif"), ("BMP", "bmp")])

@@ -75,7 +75,10 @@ def decode(path: Path) -> Decoded:
         _refuse_huge(path, *struct.unpack(">II", head[16:24]))
     if name == "NumPy":
         found = _decode_numpy(path)
-    elif name in ("TIFF", "OpenEXR", "Radiance HDR") or (name == "PNG" and head[24:25] == b"\x10"):
+    elif name == "PNG" and head[24:25] == b"\x10":
+        _refuse_broken_png(path)
+        found = _decode_deep(path, name)
+    elif name in ("TIFF", "OpenEXR", "Radiance HDR"):
         found = _decode_deep(path, name)
     else:
         found = _decode_pillow(path, name)
@@ -96,6 +99,20 @@ def _refuse_huge(path: Path, width: int, height: int) -> None:
 def _refuse_channels(path: Path, channels: int) -> None:
     if channels > MOST_CHANNELS:
         raise ValueError(f"{path}: an Image has up to {MOST_CHANNELS} channels, the file holds {channels}")
+
+
+def _refuse_broken_png(path: Path) -> None:
+    """Look at the checksum of each chunk: libpng would print what is wrong with one, and not only report it."""
+    with path.open("rb") as file:
+        file.seek(8)
+        kind = b""
+        while kind != b"IEND":
+            length, kind = struct.unpack(">I4s", file.read(8).ljust(8, b"\xff"))
+            left = file.read(length + 4) if length < 1 << 31 else b""
+            if len(left) < length + 4:
+                raise ValueError(f"{path}: damaged or cut off: it ends inside of a chunk")
+            if zlib.crc32(left[:length], zlib.crc32(kind)) != int.from_bytes(left[length:], "big"):
+                raise ValueError(f"{path}: damaged: a chunk does not fit its checksum")
 
 
 def load_npy(path: Path) -> NDArray[Any]:
