@@ -48,15 +48,26 @@ from graphtex_nodes.perspective.scale_edit import scale_edit
 from graphtex_nodes.perspective.scale_from_angles import scale_from_angles
 from graphtex_nodes.perspective.scale_pattern import scale_from_image, scale_pattern
 from graphtex_nodes.perspective.view_scale import view_scale
+from graphtex_nodes.splicing.align_distributions import align_distributions
 from graphtex_nodes.splicing.appearance_vectors import appearance_vectors
+from graphtex_nodes.splicing.extend_texture import extend_texture
+from graphtex_nodes.splicing.factor_warp import factor_warp
+from graphtex_nodes.splicing.hungarian import hungarian
+from graphtex_nodes.splicing.neighbour_sets import neighbour_sets
+from graphtex_nodes.splicing.rasterize import rasterize
+from graphtex_nodes.splicing.refine import refine
+from graphtex_nodes.splicing.rigid_warp import rigid_warp
 from graphtex_nodes.splicing.self_similarity import self_similarity
 
 __all__ = [
+    "align_distributions",
     "appearance_vectors",
     "bricks",
     "complete",
     "contact_sheet",
     "exemplar_inpaint",
+    "extend_texture",
+    "factor_warp",
     "feature_mask",
     "feature_scale",
     "flow_from_image",
@@ -64,6 +75,7 @@ __all__ = [
     "flow_pattern",
     "flowers",
     "grey",
+    "hungarian",
     "image_from_angles",
     "image_from_displacement",
     "image_from_labels",
@@ -81,11 +93,15 @@ __all__ = [
     "load_texture",
     "load_view_stack",
     "mask_from_image",
+    "neighbour_sets",
     "optimize",
     "pebbles",
     "pick_channels",
+    "rasterize",
+    "refine",
     "replay",
     "resize_scale",
+    "rigid_warp",
     "sample",
     "sample_mask",
     "sample_texture",

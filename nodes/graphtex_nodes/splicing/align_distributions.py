@@ -1,0 +1,149 @@
+"""The arrangement of one texture brought to the scale and orientation of another (Liu et al. 2009, section 4.1)."""
+
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from graphtex import QUIET, Context, Elements, Number, Texture, node
+from graphtex_nodes.splicing.values import Extension
+
+Array = NDArray[Any]
+
+
+class Alignment(NamedTuple):
+    """Places in pixels of the window, and by how much the arrangement was sized and turned (degrees, clockwise)."""
+
+    target: Elements
+    scale: Number
+    angle: Number
+
+
+@node
+def align_distributions(
+    elements: Extension,
+    arrangement: Texture,
+    *,
+    neighbours: Annotated[int, Field(ge=1, le=32, description="nearest textons that a distance is the mean of")] = 5,
+    orientation: Annotated[
+        Literal["radon", "kept"], Field(description="turn the arrangement as the elements', or keep it")
+    ] = "radon",
+    ctx: Context = QUIET,
+) -> Alignment:
+    """Lay the textons of one texture over the window of another, as dense and turned as that one's own.
+
+    The arrangement is sized so that the mean distance to the nearest textons is that of the elements, which keep their
+    size. Its middle is laid on that of the window. Orientations are peaks over angle of the variance of the Radon
+    transform of the points; a lattice has several, so each peak is tried, no turn as well, and the one kept whose
+    assignment (equation 4) costs least. A pattern without a clear peak is not turned.
+
+    Parameters
+    ----------
+    elements
+        The extension that is to be rearranged.
+    arrangement
+        Only its points and the size of its picture count. Where it is smaller than the window it is carried on: by
+        periods that it has itself, otherwise by the sides of its picture.
+    neighbours
+        The paper has 4 to 6.
+
+    Returns
+    -------
+    Alignment
+        ``target`` has all places in the window and so far around it that an element there can reach into it.
+
+    Raises
+    ------
+    ValueError
+        Either has fewer than 2 textons, or points of the arrangement lie outside its picture.
+
+    Notes
+    -----
+    Textons at a border miss neighbours beyond it, which would make small samples look sparse; they do not count. The
+    paper lays centroids on each other. A lattice is then half a cell off as often as not; here the middle is moved by
+    the median displacement of a first assignment.
+    """
+    from graphtex_nodes.splicing import _pattern
+    from graphtex_nodes.splicing.extend_texture import checked
+
+    checked(arrangement, "arrangement")
+    for name, points in (("elements", elements.points), ("arrangement", arrangement.points)):
+        if len(points) < 2:
+            raise ValueError(
+                f"{name}: expected at least 2 textons, or there is no distance between them, got {len(points)}"
+            )
+    wanted = _pattern.spacing(elements.points, elements.image.shape[:2], neighbours)
+    size = arrangement.image.shape[:2]
+    own = _pattern.spacing(arrangement.points, size, neighbours)
+    if own == 0 or wanted == 0:
+        name = "elements" if wanted == 0 else "arrangement"
+        raise ValueError(f"{name}: expected textons at different places, got distance 0 between neighbours")
+    scale = wanted / own
+    turns = [0.0]
+    if orientation == "radon":
+        turns += _turns(elements, arrangement, wanted, own)
+    margin = min(_reach(elements), wanted) + 1
+    tried = []
+    for turn in turns:
+        ctx.check()
+        places = _laid(elements, arrangement, scale, turn, own, wanted)
+        tried.append((*_settled(elements, places, margin), turn))
+    _, places, turn = min(tried, key=lambda entry: entry[0])
+    count = len(places)
+    return Alignment(Elements(places, np.zeros(count), np.ones(count)), scale, turn)
+
+
+def _reach(elements: Extension) -> float:
+    """How far (pixels) elements reach from their centres, the largest of 20 apart."""
+    rows, columns = np.nonzero(elements.labels >= 0)
+    index = elements.labels[rows, columns]
+    farthest = np.zeros(len(elements.points))
+    np.maximum.at(farthest, index, np.hypot(*(np.stack([columns, rows]) - elements.points[index].T)))
+    return float(np.quantile(farthest, 0.95))
+
+
+def _turns(elements: Extension, arrangement: Texture, wanted: float, own: float) -> list[float]:
+    """Angles (degrees, clockwise, within 90) that lay a peak of the arrangement on the elements' highest."""
+    from graphtex_nodes.splicing._pattern import orientations
+
+    here, there = orientations(elements.points, wanted), orientations(arrangement.points, own)
+    if len(here) == 0:
+        return []
+    return [float((here[0] - angle + 90) % 180 - 90) for angle in there]
+
+
+def _laid(
+    elements: Extension, arrangement: Texture, scale: float, turn: float, own: float, margin: float
+) -> Array:  # fmt: skip
+    """Places in and around the window."""
+    from graphtex_nodes.splicing._pattern import tiled
+
+    size = np.array([elements.width, elements.height], np.float64)
+    picture = np.array(arrangement.image.shape[1::-1], np.float64)
+    cos, sin = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    rotation = np.array([[cos, sin], [-sin, cos]])  # of row vectors, clockwise with y down
+    reach = size / 2 + 2 * margin
+    corners = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]]) * reach @ rotation.T / scale
+    middle = (picture - 1) / 2
+    points = tiled(
+        arrangement.points, arrangement.image.shape[:2], own, middle + corners.min(axis=0), middle + corners.max(axis=0)
+    )
+    places: Array = (points - middle) * scale @ rotation + (size - 1) / 2
+    return places
+
+
+def _settled(elements: Extension, places: Array, margin: float) -> tuple[float, Array]:
+    """Mean cost of assigning textons to places after moving these by the mean displacement, and the moved places."""
+    from graphtex_nodes.splicing.hungarian import assign
+
+    corner = np.array([elements.left, elements.top])
+    size = np.array([elements.width, elements.height])
+    inside = ((places >= 0) & (places <= size - 1)).all(axis=1)
+    if not inside.any():
+        return np.inf, places
+    chosen, taken, _ = assign(elements.points - corner, places[inside])
+    moved = places + np.median(elements.points[chosen] - corner - places[inside][taken], axis=0)
+    moved = moved[((moved >= -margin) & (moved <= size - 1 + margin)).all(axis=1)]
+    distances = assign(elements.points - corner, moved)[2]
+    return float(distances.mean()), moved

@@ -1,0 +1,38 @@
+"""Which pixels belong to which texton."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+def texton_labels(mask: Array, points: Array) -> Array:
+    """Index of the texton of each foreground pixel, int32 (h, w); -1 in the background and in parts without a texton.
+
+    A connected part that holds one texton is all of it; one that holds several is split between them by distance.
+
+    >>> texton_labels(np.array([[True, True, True, False, True]]), np.array([[0.0, 0.0], [2.0, 0.0]]))
+    array([[ 0,  0,  1, -1, -1]], dtype=int32)
+    """
+    from scipy.ndimage import label
+    from scipy.spatial import cKDTree
+
+    height, width = mask.shape
+    parts, count = label(mask)
+    labels = np.full(mask.shape, -1, np.int32)
+    column = np.clip(np.rint(points[:, 0]).astype(np.int64), 0, width - 1)
+    row = np.clip(np.rint(points[:, 1]).astype(np.int64), 0, height - 1)
+    part = parts[row, column]
+    held = np.bincount(part, minlength=count + 1)
+    held[0] = 0
+    owner = np.full(count + 1, -1, np.int32)
+    owner[part] = np.arange(len(points))
+    owner[held != 1] = -1
+    labels[mask] = owner[parts[mask]]
+    shared = held[parts] > 1
+    if shared.any():
+        rows, columns = np.nonzero(shared)
+        labels[shared] = cKDTree(points).query(np.stack([columns, rows], axis=1))[1]
+    return labels

@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from graphtex_nodes import align_distributions, extend_texture, sample_texture
+from graphtex_nodes.numerics.arrangements import lattice_points
+from graphtex_nodes.splicing._pattern import orientations, spacing, tiled
+from tests.nodes.splicing.scenes import discs, grid
+
+
+def turned(points, degrees, about):
+    """Clockwise with y down."""
+    angle = np.radians(degrees)
+    rotation = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return (points - about) @ rotation + about
+
+
+def lattice(kind, step, degrees, size=200.0, jitter=0.0):
+    middle = np.full(2, size / 2)
+    points = turned(lattice_points(kind, middle - size, middle + size, (step, step)), degrees, middle)
+    points += np.random.default_rng(1).uniform(-jitter, jitter, points.shape) * step
+    return points[((points >= -0.4) & (points <= size - 0.6)).all(axis=1)]
+
+
+def test_spacing_worked_by_hand():
+    """In a square lattice four neighbours are 10 away, the fifth 10 sqrt 2; those at the border would have fewer."""
+    points = grid(10, (100, 100), 5)
+    assert spacing(points, (100, 100), 4) == pytest.approx(10)
+    assert spacing(points, (100, 100), 5) == pytest.approx(10 * (4 + np.sqrt(2)) / 5)
+    assert spacing(points[:2], None, 5) == pytest.approx(10)
+
+
+@pytest.mark.parametrize("kind", ["square", "hexagonal"])
+@pytest.mark.parametrize("degrees", [0, 7, 25.5])
+def test_orientation_of_a_lattice(kind, degrees):
+    """Up to its symmetry, with jitter, within 1.2 degrees."""
+    found = orientations(lattice(kind, 20, degrees, jitter=0.06), 20)
+    assert len(found) > 0
+    step = {"square": 45, "hexagonal": 30}[kind]  # diagonals are rows, too
+    assert np.abs((found - degrees + step / 2) % step - step / 2).max() <= 1.2
+
+
+def test_no_orientation_where_there_is_none():
+    assert len(orientations(np.random.default_rng(5).uniform(0, 200, (60, 2)), 20)) == 0
+    assert len(orientations(np.array([[0.0, 0.0], [10.0, 3.0]]), 10)) == 0
+
+
+@pytest.mark.parametrize(("step", "degrees"), [(16, 0), (24, 20), (9, -35)])
+def test_scale_and_turn_are_undone(step, degrees):
+    """A square lattice of another size and orientation falls on the elements' own."""
+    elements = extend_texture(discs(grid(16, (96, 96)), (96, 96), 5))
+    other = discs(lattice("square", step, degrees, 160.0), (160, 160), 2)
+    found = align_distributions(elements, other)
+    assert found.scale == pytest.approx(16 / step, rel=0.01)
+    assert (found.angle + degrees + 45) % 90 - 45 == pytest.approx(0, abs=0.6)
+    inner = found.target.points[(np.abs(found.target.points - 47.5) < 32).all(axis=1)]
+    distance = cKDTree(elements.points - (elements.left, elements.top)).query(inner)[0]
+    assert len(inner) >= 12
+    assert distance.max() < 2
+
+
+def test_a_texture_on_itself_stays():
+    texture = sample_texture(name="leaves")
+    found = align_distributions(extend_texture(texture), texture)
+    assert found.angle == 0
+    assert found.scale == pytest.approx(1, abs=0.03)
+
+
+def test_places_fill_the_window_and_its_surroundings():
+    """Also where the arrangement is far smaller, and of another shape: no place is far from all."""
+    elements = extend_texture(discs(grid(16, (96, 96)), (96, 96), 5))
+    few = discs([[20, 15], [45, 15], [70, 15], [20, 40], [45, 40], [70, 40]], (50, 90), 5)
+    places = align_distributions(elements, few).target.points
+    assert places.min() < 0
+    assert places.max() > 95
+    window = np.stack(np.meshgrid(np.arange(96), np.arange(96)), axis=-1).reshape(-1, 2)
+    assert cKDTree(places).query(window)[0].max() < 1.2 * 16
+
+
+def test_a_lattice_goes_on_as_a_lattice():
+    """Its picture is no whole number of cells; the corner of a picture's period would show a gap."""
+    points = lattice("hexagonal", 20, 0, 107.4)
+    far = tiled(points, (107, 107), 20, np.full(2, -100.0), np.full(2, 207.0))
+    inner = far[(np.abs(far - 53) < 120).all(axis=1)]
+    nearest = cKDTree(far).query(inner, k=[2, 7])[0]
+    np.testing.assert_allclose(nearest, 20, atol=0.3)
+
+
+def test_kept_is_not_turned():
+    elements = extend_texture(discs(grid(16, (96, 96)), (96, 96), 5))
+    other = discs(lattice("square", 20, 20, 160.0), (160, 160), 2)
+    assert align_distributions(elements, other, orientation="kept").angle == 0
+
+
+@pytest.mark.parametrize(
+    ("elements", "arrangement", "told"),
+    [
+        ([], grid(), "elements: expected at least 2 textons.*got 0"),
+        (grid(), [[9, 9]], "arrangement: expected at least 2 textons.*got 1"),
+        (grid(), [[9, 9], [9, 9]], "arrangement: expected textons at different places"),
+    ],
+)
+def test_refuses(elements, arrangement, told):
+    extension = extend_texture(discs(elements, (64, 64)), factor=1.0)
+    with pytest.raises(ValueError, match=told):
+        align_distributions(extension, discs(arrangement, (64, 64)))
+
+
+def test_refuses_points_outside():
+    extension = extend_texture(discs(grid(), (64, 64)))
+    outside = discs(grid(), (64, 64))._replace(points=np.array([[70.0, 3.0], [3.0, 3.0]]))
+    with pytest.raises(ValueError, match="arrangement: expected points inside the image"):
+        align_distributions(extension, outside)

@@ -1,0 +1,94 @@
+import numpy as np
+import pytest
+
+from graphtex import Texture
+from graphtex_nodes import extend_texture, sample_texture
+from graphtex_nodes.splicing.texton_labels import texton_labels
+from tests.nodes.splicing.scenes import discs, grid
+
+
+def test_factor_one_is_the_texture_itself():
+    texture = sample_texture(name="leaves")
+    extension = extend_texture(texture, factor=1.0)
+    np.testing.assert_array_equal(extension.image, texture.image)
+    np.testing.assert_array_equal(extension.mask, texture.mask)
+    np.testing.assert_array_equal(extension.points, texture.points)
+    assert extension[6:] == (0, 0, 192, 192)
+
+
+def test_a_periodic_texture_goes_on_with_its_period():
+    """Every pixel, every texton; the picture is no whole number of periods."""
+    tile = np.random.default_rng(0).random((15, 13, 3)).astype(np.float32)
+    rows, columns = np.mgrid[:50, :44]
+    points = np.array([[x, y] for x in range(2, 44, 13) for y in range(2, 50, 15)], float)
+    texture = Texture(tile[rows % 15, columns % 13], (rows % 15 < 5) & (columns % 13 < 5), points, "F=d")
+    extension = extend_texture(texture, factor=1.6)
+    rows, columns = np.mgrid[:80, :71]
+    top, left = (80 - 50) // 2, (71 - 44) // 2
+    np.testing.assert_array_equal(extension.image, tile[(rows - top) % 15, (columns - left) % 13])
+    np.testing.assert_array_equal((extension.points - (left, top)) % (13, 15), np.full_like(extension.points, 2))
+    assert len(np.unique(extension.points, axis=0)) == len(extension.points) == 6 * 6
+
+
+@pytest.mark.parametrize("name", ["oranges", "berries", "tiles", "blossoms", "leaves"])
+def test_all_follows_the_coordinates(name):
+    texture = sample_texture(name=name)
+    extension = extend_texture(texture, width=150, height=210)
+    assert extension.image.shape == (315, 225, 3)
+    row, column = np.moveaxis(extension.source[..., 1:3].astype(int), 2, 0)
+    np.testing.assert_array_equal(extension.image, texture.image[row, column])
+    np.testing.assert_array_equal(extension.mask, texture.mask[row, column])
+    x, y = np.rint(extension.points).astype(int).T
+    own = texture.points[:, None] - np.stack([column[y, x], row[y, x]], axis=1)
+    assert np.abs(own).max(axis=2).min(axis=0).max() <= 0.5
+
+
+@pytest.mark.parametrize("name", ["oranges", "tiles", "blossoms", "leaves"])
+def test_few_elements_are_cut(name):
+    """Whole elements have the size that they have in the texture: at most 5 % of the extension's are much smaller."""
+    texture = sample_texture(name=name)
+    extension = extend_texture(texture)
+
+    def sizes(labels, count):
+        border = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
+        return np.bincount(labels[labels >= 0], minlength=count)[np.setdiff1d(np.arange(count), border)]
+
+    usual = np.median(sizes(texton_labels(texture.mask, texture.points), len(texture.points)))
+    assert np.mean(sizes(extension.labels, len(extension.points)) < 0.6 * usual) <= 0.05
+
+
+def test_a_window_smaller_than_the_texture():
+    texture = discs(grid(), (64, 64))
+    extension = extend_texture(texture, width=20, height=30, factor=1.0)
+    np.testing.assert_array_equal(extension.image, texture.image[17:47, 22:42])
+
+
+@pytest.mark.parametrize(("size", "tag"), [((1, 1), "F=c"), ((3, 17), "B=c"), ((40, 1), "F=d")])
+def test_small_and_odd_sizes(size, tag):
+    extension = extend_texture(discs([[0, 0]], size, tag=tag))
+    assert extension.mask.shape == tuple(int(np.ceil(1.5 * side)) for side in size)
+
+
+def test_channels():
+    for channels in (1, 2, 16):
+        image = np.random.default_rng(0).random((24, 24, channels)).astype(np.float32)
+        extension = extend_texture(Texture(image, image[..., 0] > 0.8, np.array([[3.0, 3.0]]), "F=d"))
+        assert extension.image.shape == (36, 36, channels)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"mask": np.zeros((9, 9), bool)}, r"texture: expected a mask of shape \(40, 40\) as the image, got \(9, 9\)"),
+        ({"points": np.array([[50.0, 3.0], [1.0, 1.0]])}, "texture: expected points inside .* got 1 outside"),
+        ({"tag": "x"}, "texture.tag: expected one of F=c, F=d, B=c, got 'x'"),
+    ],
+)
+def test_refuses_what_does_not_fit(change, told):
+    with pytest.raises(ValueError, match=told):
+        extend_texture(discs([[9, 9]])._replace(**change))
+
+
+def test_refuses_what_would_take_gigabytes():
+    with pytest.raises(ValueError, match="texture: expected a window of at most 466033 pixels with factor"):
+        extend_texture(discs([[9, 9]]), width=1000, height=1000)
