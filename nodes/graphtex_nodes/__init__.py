@@ -34,6 +34,7 @@ from graphtex_nodes.image.load_data import (
     load_view_stack,
 )
 from graphtex_nodes.image.maps import select_map, split_maps, stack_maps
+from graphtex_nodes.image.normals import normals_from_height
 from graphtex_nodes.perspective.complete import complete
 from graphtex_nodes.perspective.exemplar_inpaint import exemplar_inpaint
 from graphtex_nodes.perspective.feature_mask import feature_mask
@@ -94,6 +95,7 @@ __all__ = [
     "load_view_stack",
     "mask_from_image",
     "neighbour_sets",
+    "normals_from_height",
     "optimize",
     "pebbles",
     "pick_channels",

@@ -77,11 +77,13 @@ def original(
 
 
 def leading(exemplars: Sequence[Atlas], *, turned: bool) -> Array:
-    """Colours (h, w, c) of the exemplar whose smaller side is the longest, their mean where it is not usable.
+    """Colours (h, w, c) of the exemplar that levels are chosen for, their mean where it is not usable.
 
-    If ``turned``, only its middle: what a copy turned by 45 degrees shows in an upright square.
+    It is the smallest of those that have at least half the largest one's smaller side, so that all these are seen on
+    the coarsest level. If ``turned``, only its middle: what a copy turned by 45 degrees shows in an upright square.
     """
-    first = max(exemplars, key=lambda exemplar: min(exemplar.usable.shape))
+    sides = [min(exemplar.usable.shape) for exemplar in exemplars]
+    first = exemplars[sides.index(min(side for side in sides if 2 * side >= max(sides)))]
     mean = first.picture[first.usable].mean(axis=0)
     colours = np.where(first.usable[..., None], first.picture, mean).astype(np.float32)
     if not turned:

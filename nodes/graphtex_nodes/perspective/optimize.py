@@ -148,7 +148,8 @@ def optimize(
         Direction of the exemplar's texels, 0 (to the right) where not given, and the direction that the output's should
         have: cosine and sine of the angle (of twice the angle, unless ``arrows``) are further channels of both.
     more, more_scale, more_usable, more_angle
-        Further exemplars of any size with as many channels, and their maps. Levels are chosen for the largest.
+        Further exemplars of any size with as many channels, and their maps. Levels are chosen for the smallest of
+        those that are at least half as large as the largest; smaller ones serve on fine levels only.
     width, height
         Size of the output.
     scale_weight

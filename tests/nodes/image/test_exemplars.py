@@ -10,7 +10,7 @@ from graphtex.sockets import find_type
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
-from graphtex_nodes.image.exemplars.sample import ELEMENTS, NAMES, PHOTOGRAPHS, sample
+from graphtex_nodes.image.exemplars.sample import ELEMENTS, MATERIALS, NAMES, PHOTOGRAPHS, sample
 from graphtex_nodes.image.exemplars.sand import sand
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.numerics.plane import photograph, seen_plane
@@ -183,11 +183,25 @@ def test_samples_need_no_network(monkeypatch):
             np.testing.assert_array_equal(np.rint(image[..., 0] * 255), np.asarray(Image.open(file)))
 
 
-@pytest.mark.parametrize("name", sorted(set(NAMES) - set(PHOTOGRAPHS)))
+@pytest.mark.parametrize("name", sorted(set(NAMES) - set(PHOTOGRAPHS) - set(MATERIALS)))
 def test_drawn_samples(name):
     image = sample(name=name)
     assert image.shape == ((192, 192, 3) if name in ELEMENTS else (256, 256, 3))
     assert image.std() > 0.05
+
+
+def test_maps_of_a_sample_agree():
+    """Mortar lies low and bricks high, within [0, 1]; normals are unit vectors, and level on a brick's face."""
+    colour, height, normal = (sample(name=f"bricks{kind}") for kind in ("", "-height", "-normal"))
+    assert height.shape == (256, 256, 1)
+    assert 0 < height.min() < 0.25 < 0.75 < height.max() < 1
+    mortar = colour.min(axis=2) > 0.45  # grey, red bricks have little blue
+    assert height[~mortar].mean() > 2 * height[mortar].mean()
+    vectors = normal * 2.0 - 1
+    np.testing.assert_allclose(np.linalg.norm(vectors, axis=2), 1, atol=1e-5)
+    assert np.median(vectors[..., 2][height[..., 0] > 0.7]) > 0.97
+    made = bricks(rng=6)
+    np.testing.assert_array_equal(made.height, height)
 
 
 def test_sample_is_always_the_same():

@@ -1,12 +1,12 @@
 """Bricks in running bond with mortar, seen at any slant and tilt."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from graphtex import QUIET, Context, Rng, node
+from graphtex import QUIET, Context, Image, Points, Rng, ScaleMap, node
 from graphtex_nodes.image.exemplars._paint import (
     encoded,
     fractal,
@@ -19,7 +19,7 @@ from graphtex_nodes.image.exemplars._paint import (
     visible_centres,
     visible_corners,
 )
-from graphtex_nodes.image.exemplars._view import Exemplar, FieldOfView, Height, Slant, Tilt, Width, framed_plane
+from graphtex_nodes.image.exemplars._view import FieldOfView, Height, Slant, Tilt, Width, framed_plane
 from graphtex_nodes.numerics.plane import Plane, Region, photograph
 
 Array = NDArray[Any]
@@ -34,6 +34,18 @@ PALETTES = {  # sRGB, dark to light
 MORTAR = {"wall": (0.70, 0.67, 0.61), "paving": (0.36, 0.33, 0.28)}
 
 
+HIGHEST = 0.075  # of a brick's face, in brick lengths above the mean depth of the mortar
+
+
+class Masonry(NamedTuple):
+    """A generated picture of bricks with its ground truth."""
+
+    image: Image
+    scale: ScaleMap
+    centres: Points
+    height: Image
+
+
 @node
 def bricks(
     *,
@@ -46,7 +58,7 @@ def bricks(
     field_of_view: FieldOfView = 45.0,
     rng: Rng = 0,
     ctx: Context = QUIET,
-) -> Exemplar:
+) -> Masonry:
     """Bevelled bricks of several tones with chipped edges, in running bond; courses lie level in the picture.
 
     Parameters
@@ -63,6 +75,8 @@ def bricks(
         True relative texel scale; the largest and the smallest multiply to 1.
     centres
         Centres of the bricks inside the picture, (x, y), sorted from top to bottom.
+    height
+        Shape (height, width, 1): how far the surface stands out, 1 for 7.5 % of a brick's length.
 
     Raises
     ------
@@ -77,11 +91,14 @@ def bricks(
         return _wall(region, size, kind, tilt, keys)
 
     picture = photograph(plane, paint)
-    return Exemplar(encoded(picture), plane.scale().astype(np.float32), _centres(plane, size, kind, tilt))
+    height_map = np.clip(picture[..., 3:], 0, 1).astype(np.float32)
+    return Masonry(
+        encoded(picture[..., :3]), plane.scale().astype(np.float32), _centres(plane, size, kind, tilt), height_map
+    )
 
 
 def _wall(region: Region, size: float, kind: Kind, tilt: float, keys: list[int]) -> Array:
-    """Linear light (rows, columns, 3)."""
+    """Linear light and height in parts of the highest (rows, columns, 4)."""
     right, up = upright(region, tilt)
     course_height = PROPORTION[kind]
     right = (right / size).astype(np.float32) + 0.010 * noise(region, 0.35 * size, keys[0])
@@ -118,8 +135,7 @@ def _wall(region: Region, size: float, kind: Kind, tilt: float, keys: list[int])
     shade = (1 - burnt) * (0.9 + 0.25 * lots[1]) * (1 + 0.22 * mottle + 0.20 * grain)
     mortar = linear(MORTAR[kind]) * (1 + 0.16 * grain + 0.12 * mottle)[..., None]
     albedo = fired * shade[..., None] * inside[..., None] + mortar * (1 - inside)[..., None]
-    result: Array = albedo * light
-    return result
+    return np.concatenate([albedo * light, ((relief + 0.01) / HIGHEST)[..., None]], axis=2)
 
 
 def _depth_inside(x: Array, y: Array, course_height: float, kind: Kind) -> Array:

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field
 
 from graphtex import QUIET, Context, Image, node, opener
-from graphtex_nodes.image.exemplars.bricks import bricks
+from graphtex_nodes.image.exemplars.bricks import HIGHEST, bricks
 from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.exemplars.sand import sand
 from graphtex_nodes.image.exemplars.textons import textons
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
+from graphtex_nodes.image.normals import normals_from_height
 
 _small = partial(textons, width=192, height=192)
 ELEMENTS: Mapping[str, Callable[..., Any]] = {
@@ -44,10 +45,16 @@ GENERATED: Mapping[str, Callable[..., Any]] = {
 }
 """Samples of surfaces, 256 x 256 in colour."""
 
+MATERIALS: Mapping[str, Callable[[Any], NDArray[Any]]] = {
+    "bricks-height": lambda made: made.height,
+    "bricks-normal": lambda made: normals_from_height(made.height, relief=48 * HIGHEST),
+}
+"""Maps of the sample before the hyphen."""
+
 PHOTOGRAPHS = ("brick", "grass", "gravel")
 """Grey photographs, 512 x 512, that scikit-image's wheel brings (CC0)."""
 
-NAMES = tuple(sorted((*ELEMENTS, *GENERATED, *PHOTOGRAPHS)))
+NAMES = tuple(sorted((*ELEMENTS, *GENERATED, *MATERIALS, *PHOTOGRAPHS)))
 
 
 def _known(name: str) -> str:
@@ -71,12 +78,14 @@ def sample(
     ``sand-flat``, ``bricks``, ``cloth`` and ``twill`` are face on, ``bricks-wall`` from the side. They are drawn by
     the nodes of their names with a fixed seed, 256 x 256, in colour. ``berries``, ``blossoms``, ``leaves``, ``oranges``
     and ``tiles`` are separate elements that `Textons` draws, 192 x 192, in colour. ``brick``, ``grass``
-    and ``gravel`` are grey photographs of 512 x 512 pixels from scikit-image.
+    and ``gravel`` are grey photographs of 512 x 512 pixels from scikit-image. ``bricks-height`` and ``bricks-normal``
+    are further maps of ``bricks``.
 
     Returns
     -------
     Image
-        (256, 256, 3), (192, 192, 3) or (512, 512, 1), sRGB-encoded in [0, 1].
+        (256, 256, 3), (192, 192, 3) or (512, 512, 1), sRGB-encoded in [0, 1]; heights (256, 256, 1), and normals
+        encoded as StackMaps has them.
 
     Raises
     ------
@@ -85,6 +94,8 @@ def sample(
     """
     if name in PHOTOGRAPHS:
         return _photograph(name)
+    if name in MATERIALS:
+        return MATERIALS[name](GENERATED[name.rpartition("-")[0]](ctx=ctx))
     image: NDArray[Any] = {**ELEMENTS, **GENERATED}[name](ctx=ctx).image
     return image
 
