@@ -58,9 +58,15 @@ def table(figures: Iterable[Figure]) -> str:
 
 def seconds(call: Callable[[], object], repeat: int = 5) -> float:
     """Return the median time of some calls."""
-    times = []
+    return in_turns(call, repeat=repeat)[0]
+
+
+def in_turns(*calls: Callable[[], object], repeat: int = 5) -> list[float]:
+    """Return the median time of each call, made in turns, so that what else the machine does counts for all."""
+    times: list[list[float]] = [[] for _ in calls]
     for _ in range(repeat):
-        start = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - start)
-    return statistics.median(times)
+        for call, found in zip(calls, times, strict=True):
+            start = time.perf_counter()
+            call()
+            found.append(time.perf_counter() - start)
+    return [statistics.median(found) for found in times]

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias, Union, get_args, get_origin
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError, create_model
+from pydantic import BaseModel, ConfigDict, PydanticInvalidForJsonSchema, ValidationError, create_model
 from pydantic.fields import FieldInfo
 from pydantic.json_schema import WithJsonSchema
 
@@ -52,6 +52,8 @@ def parameters_model(owner: str, parameters: Iterable[inspect.Parameter], hints:
         if default is not inspect.Parameter.empty:
             defaults[name] = default
     strict = _made(owner, required)
+    if not defaults:
+        return _with_schema(owner, strict)
     fields = dict(required)
     for name, default in defaults.items():
         checked, problems = validate(strict, {name: default}, unknown=required.keys() - {name})
@@ -59,16 +61,28 @@ def parameters_model(owner: str, parameters: Iterable[inspect.Parameter], hints:
             text = f"{owner}: the default of {name} does not fit its own type: {problems[0][1]}"
             raise DeclarationError(text)
         fields[name] = (required[name][0], getattr(checked, name))
-    return _made(owner, fields)
+    return _with_schema(owner, _made(owner, fields))
 
 
 def _made(owner: str, fields: dict[str, Any]) -> type[BaseModel]:
     try:
         model: type[BaseModel] = create_model(owner, __config__=_STRICT, **fields)
-        model.model_json_schema()
     except Exception as error:  # pydantic has no common base for what it finds wrong with a type
-        raise DeclarationError(f"{owner}: a parameter's type is unknown or not plain data: {error}") from error
+        raise _not_plain(owner, error) from error
     return model
+
+
+def _with_schema(owner: str, model: type[BaseModel]) -> type[BaseModel]:
+    """Return the model; DeclarationError if its types have no JSON Schema."""
+    try:
+        model.model_json_schema()
+    except PydanticInvalidForJsonSchema as error:
+        raise _not_plain(owner, error) from error
+    return model
+
+
+def _not_plain(owner: str, error: Exception) -> DeclarationError:
+    return DeclarationError(f"{owner}: a parameter's type is unknown or not plain data: {error}")
 
 
 def _require_plain(hint: Any, where: str) -> None:
