@@ -16,6 +16,7 @@ import tempfile
 import threading
 from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -143,16 +144,25 @@ def is_cold(*modules: str) -> bool:
     for path in kernel_files():
         if path.stem in modules:
             if folder is None:
-                return (
-                    f"{_PACKAGE.name}.{'.'.join(path.relative_to(_PACKAGE).with_suffix('').parts)}" not in sys.modules
-                )
+                return _module_of(path) not in sys.modules
             wanted = path.read_text(encoding="utf-8").count("\n@kernel(")
             if len(list(folder.rglob(f"{path.stem}.*.nbi"))) < wanted:
                 return True
     return False
 
 
+def _module_of(path: Path) -> str:
+    return ".".join([_PACKAGE.name, *path.relative_to(_PACKAGE).with_suffix("").parts])
+
+
 def announce(ctx: Announcing, *modules: str) -> None:
-    """Say that kernels are about to be compiled, if they are: call it before importing their files."""
-    if is_cold(*modules):
-        ctx.progress(0.0, "compiling kernels, once (about 10 s)")
+    """Compile the kernels of some files where that is still to be done, and say so; call it before importing them.
+
+    The run can be stopped between two files: the compiler, which cannot be interrupted, takes one to two seconds each.
+    """
+    message = "compiling kernels, once (about 10 s)"
+    for path in kernel_files():
+        if path.stem in modules and is_cold(path.stem):
+            ctx.progress(0.0, message)
+            import_module(_module_of(path))
+            message = ""  # it is shown until there is another

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from graphtex import Cancelled
 from graphtex_nodes.numerics import jit
 
 FACTORS = "FACTOR = {factor}\n"
@@ -81,15 +82,40 @@ def test_refuses_a_kernel_that_the_digest_would_not_see():
         jit.kernel("f4[:]")(lambda values: None)
 
 
-def test_announces_only_what_is_cold(monkeypatch):
-    said = []
+class Listener:
+    """Notes what is told, and stops what is at work when it has been told something `patience` times."""
 
-    class Listener:
-        def progress(self, fraction, message=""):
-            said.append(message)
+    def __init__(self, patience=99):
+        self.said = []
+        self.patience = patience
 
-    monkeypatch.setattr(jit, "is_cold", lambda *modules: "cold" in modules)
-    jit.announce(Listener(), "warm")
-    assert said == []
-    jit.announce(Listener(), "warm", "cold")
-    assert said == ["compiling kernels, once (about 10 s)"]
+    def progress(self, fraction, message=""):
+        self.said.append(message)
+        if len(self.said) > self.patience:
+            raise Cancelled
+
+
+@pytest.fixture
+def compiled(monkeypatch):
+    """Files that were compiled; those named cold have to be."""
+    done = []
+    files = [jit._PACKAGE / "numerics" / f"{name}_kernels.py" for name in ("cold", "cool", "warm")]
+    monkeypatch.setattr(jit, "kernel_files", lambda: files)
+    monkeypatch.setattr(jit, "is_cold", lambda name: name != "warm_kernels")
+    monkeypatch.setattr(jit, "import_module", done.append)
+    return done
+
+
+def test_compiles_and_tells_of_only_what_is_cold(compiled):
+    listener = Listener()
+    jit.announce(listener, "warm_kernels")
+    assert (listener.said, compiled) == ([], [])
+    jit.announce(listener, "warm_kernels", "cool_kernels", "cold_kernels")
+    assert listener.said == ["compiling kernels, once (about 10 s)", ""]
+    assert compiled == ["graphtex_nodes.numerics.cold_kernels", "graphtex_nodes.numerics.cool_kernels"]
+
+
+def test_can_be_stopped_between_two_files(compiled):
+    with pytest.raises(Cancelled):
+        jit.announce(Listener(patience=1), "cold_kernels", "cool_kernels")
+    assert compiled == ["graphtex_nodes.numerics.cold_kernels"]
