@@ -59,6 +59,7 @@ from graphtex_nodes.splicing.rasterize import rasterize
 from graphtex_nodes.splicing.refine import refine
 from graphtex_nodes.splicing.rigid_warp import rigid_warp
 from graphtex_nodes.splicing.self_similarity import self_similarity
+from graphtex_nodes.splicing.split_texture import split_texture
 
 __all__ = [
     "align_distributions",
@@ -115,6 +116,7 @@ __all__ = [
     "select_map",
     "self_similarity",
     "split_maps",
+    "split_texture",
     "stack_maps",
     "textons",
     "view_scale",
