@@ -53,6 +53,7 @@ from graphtex_nodes.splicing.align_distributions import align_distributions
 from graphtex_nodes.splicing.appearance_vectors import appearance_vectors
 from graphtex_nodes.splicing.extend_texture import extend_texture
 from graphtex_nodes.splicing.factor_warp import factor_warp
+from graphtex_nodes.splicing.find_textons import find_textons
 from graphtex_nodes.splicing.hungarian import hungarian
 from graphtex_nodes.splicing.neighbour_sets import neighbour_sets
 from graphtex_nodes.splicing.rasterize import rasterize
@@ -72,6 +73,7 @@ __all__ = [
     "factor_warp",
     "feature_mask",
     "feature_scale",
+    "find_textons",
     "flow_from_image",
     "flow_from_strokes",
     "flow_pattern",

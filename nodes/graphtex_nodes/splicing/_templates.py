@@ -22,7 +22,7 @@ class Example(BaseModel):
 
 def cut_out(
     image: Array, example: Example, name: str, *, angle: float = 0.0, scale: float = 1.0, step: float = 1.0,
-    round_mask: bool = False,
+    margin: int = 0, round_mask: bool = False,
 ) -> tuple[Array, Array]:  # fmt: skip
     """Template (rows, columns, c) of an element and where it counts (rows, columns); both sides are odd.
 
@@ -32,6 +32,8 @@ def cut_out(
         The template shows the element turned clockwise by so many degrees and so many times larger.
     step
         Pixels of the picture between pixels of the template.
+    margin
+        Pixels more on each side.
     round_mask
         Only the ellipse in the element's box counts (as wide as the longer side in both directions), which is the same
         at every angle.
@@ -50,7 +52,7 @@ def cut_out(
             f"x = {example.x:g}, y = {example.y:g}"
         )
     sides = (max(example.width, example.height),) * 2 if round_mask else (example.height, example.width)
-    half = [max(1, round(side * scale / step / 2)) for side in sides]
+    half = [max(1, round(side * scale / step / 2)) + margin for side in sides]
     y, x = (np.arange(-k, k + 1) * (step / scale) for k in half)
     cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     column = example.x + cos * x[None, :] + sin * y[:, None]

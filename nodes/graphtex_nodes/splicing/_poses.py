@@ -1,0 +1,182 @@
+"""How elements that look like a given one are turned and sized."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex import Context
+from graphtex_nodes.numerics.appearance import AppearanceSpace
+from graphtex_nodes.numerics.correlation import Correlator
+from graphtex_nodes.splicing._templates import Example, cut_out
+
+Array = NDArray[Any]
+
+ANGLE_STEP = 15.0  # degrees between templates: a matching element is at most half of that off
+SCALE_STEP = 1.2
+CHANNELS = 4  # of the appearance vectors that turned templates are compared in
+GRID = 17  # samples a side that a pose is refined on
+HALVINGS = 5
+FAINT = 0.3  # contrast, as a share of the example's, below which a likeness counts less
+STARTS = (0.0, 180.0, 90.0, -90.0)  # how far off, in degrees, a coarse match of a nearly symmetric element may be
+MARGIN = 2  # neighbourhoods of appearance vectors reach so far
+
+
+@dataclass(frozen=True)
+class Poses:
+    """Places (n, 2), angles in degrees clockwise, scales, scores and the example that each looks like, all (n,)."""
+
+    points: Array
+    angles: Array
+    scales: Array
+    scores: Array
+    kinds: Array
+
+    def take(self, some: Array) -> "Poses":
+        """Those of an index or a mask."""
+        return Poses(*(column[some] for column in self.columns()))
+
+    def columns(self) -> tuple[Array, ...]:
+        """The fields in order."""
+        return self.points, self.angles, self.scales, self.scores, self.kinds
+
+    @staticmethod
+    def joined(parts: "list[Poses]") -> "Poses":
+        """All of them, those with the highest scores first."""
+        together = Poses(*(np.concatenate(columns) for columns in zip(*(p.columns() for p in parts), strict=True)))
+        return together.take(np.argsort(-together.scores, kind="stable"))
+
+    def turned(self, angle: float) -> "Poses":
+        """All of them turned clockwise by an angle in degrees."""
+        return Poses(self.points, self.angles + angle, self.scales, self.scores, self.kinds)
+
+
+def templates(turn: float, growth: float) -> list[tuple[float, float]]:
+    """Angles and scales to look for, the plain one first."""
+    turns = int(np.ceil(turn / ANGLE_STEP - 1e-9))
+    angles = np.linspace(-turn, turn, 2 * turns + 1) if turns else np.zeros(1)
+    if turn >= 180:
+        angles = angles[1:]  # both ends are the same
+    sizes = int(np.ceil(np.log(growth) / np.log(SCALE_STEP) - 1e-9))
+    scales = growth ** np.linspace(-1, 1, 2 * sizes + 1) if sizes else np.ones(1)
+    pairs = [(float(angle), float(scale)) for scale in scales for angle in angles]
+    return sorted(pairs, key=lambda pair: (abs(np.log(pair[1])), abs(pair[0]), pair))
+
+
+def best_poses(
+    image: Array, space: AppearanceSpace, examples: list[Example], turn: float, growth: float, ctx: Context
+) -> tuple[Array, Array, Array, Array]:
+    """Score, angle, scale and example (h, w) of the best matching template on each pixel."""
+    turned = turn > 0 or growth > 1
+    channels = CHANNELS if turned else space.mean.size
+    appearance = space.project(image)[..., :channels]
+    pairs = templates(turn, growth)
+    largest = max(max(example.width, example.height) for example in examples) * growth
+    correlator = Correlator(appearance, (int(largest) + 3,) * 2, ctx.threads)
+    best = np.full(image.shape[:2], -np.inf)
+    angles, scales, kinds = np.zeros(best.shape), np.ones(best.shape), np.zeros(best.shape, np.int64)
+    for index, (angle, scale) in enumerate(pairs):
+        ctx.progress(index / len(pairs), "looking for elements")
+        for number, example in enumerate(examples):
+            name = f"examples[{number}]"
+            patch = cut_out(image, example, name, angle=angle, scale=scale, margin=MARGIN, round_mask=turned)[0]
+            mask = cut_out(image, example, name, angle=angle, scale=scale, round_mask=turned)[1]
+            template = space.project(patch)[MARGIN:-MARGIN, MARGIN:-MARGIN, :channels]
+            scores = correlator.correlate(template, mask)
+            better = scores > best
+            best[better], angles[better], scales[better], kinds[better] = scores[better], angle, scale, number
+    return best, angles, scales, kinds
+
+
+def refined(image: Array, example: Example, poses: Poses, step: float, turn: bool, grow: bool, ctx: Context) -> Poses:
+    """Poses that match the mean of all elements best, by a search with falling steps around each.
+
+    The first pass compares with the example, the second with the mean of what matched, whose own chance looks and
+    surroundings are averaged out.
+    """
+    from scipy.ndimage import gaussian_filter1d
+
+    smooth = image
+    for axis in (0, 1):
+        smooth = gaussian_filter1d(smooth, 0.5 * step, axis=axis, mode="mirror") if step > 1 else smooth
+    line = np.linspace(-1, 1, GRID)
+    u, v = (grid.ravel() for grid in np.meshgrid(line, line))
+    round_grid = u * u + v * v <= 1.1
+    reach = max(example.width, example.height) / 2
+    if turn or grow:
+        u, v = u[round_grid] * reach, v[round_grid] * reach
+    else:
+        u, v = u * example.width / 2, v * example.height / 2
+    given = Poses(np.array([[example.x, example.y]]), np.zeros(1), np.ones(1), np.ones(1), np.zeros(1, np.int64))
+    wanted, weights = _samples(smooth, given, u, v)
+    for _ in range(2):
+        ctx.check()
+        starts = STARTS if turn else (0.0,)
+        found = [_climb(smooth, wanted[0], u, v, poses.turned(start), step, turn, grow) for start in starts]
+        best = np.argmax([each.scores for each in found], axis=0)
+        each = np.arange(len(best))
+        poses = Poses(*(np.stack(column)[best, each] for column in zip(*(f.columns() for f in found), strict=True)))
+        likely = poses.take(poses.scores >= max(0.6, float(np.median(poses.scores))))
+        if len(likely.points) < 3:
+            break
+        seen, weights = _samples(smooth, likely, u, v)
+        weight = weights[..., None]
+        wanted = ((seen * weight).sum(axis=0) / np.maximum(weight.sum(axis=0), 1e-9))[None]
+    return poses
+
+
+def _climb(image: Array, wanted: Array, u: Array, v: Array, poses: Poses, step: float, turn: bool, grow: bool) -> Poses:
+    """Move each pose to a better neighbour until none is, with steps that are halved."""
+    values = [*poses.points.T.copy(), poses.angles.copy(), np.log(poses.scales)]
+    lengths = [0.6 * step, 0.6 * step, ANGLE_STEP / 3, np.log(SCALE_STEP) / 3]
+    moving = [0, 1, *([2] if turn else []), *([3] if grow else [])]
+
+    def score() -> Array:
+        return _match(image, wanted, u, v, _replaced(poses, values))
+
+    best = score()
+    for halving in range(HALVINGS):
+        for _ in range(2):
+            for axis in moving:
+                for way in (-1, 1):
+                    before = values[axis]
+                    values[axis] = before + way * lengths[axis] / 2**halving
+                    scores = score()
+                    better = scores > best + 1e-9
+                    values[axis] = np.where(better, values[axis], before)
+                    best = np.where(better, scores, best)
+    return replace(_replaced(poses, values), scores=best)
+
+
+def _replaced(poses: Poses, values: list[Array]) -> Poses:
+    """The poses with other places, angles (brought to -180 to 180 degrees) and logarithms of scales."""
+    x, y, angles, logs = values
+    return replace(poses, points=np.stack([x, y], axis=1), angles=(angles + 180) % 360 - 180, scales=np.exp(logs))
+
+
+def _samples(image: Array, poses: Poses, u: Array, v: Array) -> tuple[Array, Array]:
+    """Values (n, k, c) of a picture at places u, v (k,) of each element, and which of them lie in it (n, k)."""
+    from scipy.ndimage import map_coordinates
+
+    cos = (np.cos(np.radians(poses.angles)) * poses.scales)[:, None]
+    sin = (np.sin(np.radians(poses.angles)) * poses.scales)[:, None]
+    column = poses.points[:, :1] + cos * u - sin * v
+    row = poses.points[:, 1:] + sin * u + cos * v
+    values = [map_coordinates(channel, [row, column], order=1, mode="nearest") for channel in np.moveaxis(image, -1, 0)]
+    inside = (row >= -0.5) & (row <= image.shape[0] - 0.5) & (column >= -0.5) & (column <= image.shape[1] - 0.5)
+    return np.stack(values, axis=-1).astype(np.float64), inside.astype(np.float64)
+
+
+def _match(image: Array, wanted: Array, u: Array, v: Array, poses: Poses) -> Array:
+    """Correlation coefficient of each element's samples with the wanted ones (k, c), over those in the picture."""
+    seen, inside = _samples(image, poses, u, v)
+    weight = inside[..., None]
+    count = np.maximum(inside.sum(axis=1), 1)[:, None]
+    a = (seen - ((seen * weight).sum(axis=1) / count)[:, None]) * weight
+    b = (wanted - ((wanted * weight).sum(axis=1) / count)[:, None]) * weight
+    energy = (a * a).sum(axis=(1, 2)) * (b * b).sum(axis=(1, 2))
+    coefficient = np.where(energy > 1e-12, (a * b).sum(axis=(1, 2)) / np.sqrt(np.maximum(energy, 1e-12)), 0)
+    contrast = np.sqrt((a * a).sum(axis=(1, 2)) / np.maximum((b * b).sum(axis=(1, 2)), 1e-12))
+    result: Array = coefficient * np.minimum(contrast / FAINT, 1)
+    return result

@@ -1,0 +1,36 @@
+"""What of a picture stays the same when an element turns under a fixed lamp."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+SMOOTH = 1.0  # pixels
+DARK = 0.05  # what a colour's share is steadied with where there is next to no light
+COLOURFUL = 0.015  # standard deviation of the shares from which a picture's colours tell its elements
+
+
+def unlit(image: Array) -> Array:
+    """Features (h, w, k), float32, each of standard deviation 1, of a picture (h, w, c).
+
+    Shading falls on the same side of all elements, however they are turned, so matching colours would turn an element
+    to fit its shading. In colour pictures the features are each channel's share of the light and how steeply the shares
+    change; in others the brightness and its steepness are all there is.
+    """
+    from scipy.ndimage import gaussian_filter1d, gaussian_gradient_magnitude
+
+    smooth = image.astype(np.float64)
+    for axis in (0, 1):
+        smooth = gaussian_filter1d(smooth, SMOOTH, axis=axis, mode="mirror")
+    features = smooth
+    if image.shape[2] >= 3:
+        shares = np.clip(smooth[..., :3], 0, None)
+        shares = shares / (shares.sum(axis=2, keepdims=True) + DARK)
+        if shares.std(axis=(0, 1)).max() > COLOURFUL:
+            features = shares
+    steepness = np.sqrt(sum(gaussian_gradient_magnitude(c, SMOOTH) ** 2 for c in np.moveaxis(features, -1, 0)))
+    found = np.concatenate([features, steepness[..., None]], axis=2)
+    scaled: Array = (found / np.maximum(found.std(axis=(0, 1)), 1e-6)).astype(np.float32)
+    return scaled

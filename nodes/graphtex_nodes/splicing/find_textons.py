@@ -1,0 +1,158 @@
+"""Where the elements of a texture are, and how each is turned and sized (Liu et al. 2009, section 3.2)."""
+
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from graphtex import QUIET, Context, Elements, Image, Number, Points, Vector, node
+from graphtex_nodes.splicing._templates import Example
+
+Array = NDArray[Any]
+
+DOUBTFUL = 0.35  # confidence below which automatic results are rarely right
+COVERED = 0.95  # share of the picture at which the literal search stops
+
+
+class Textons(NamedTuple):
+    """Elements with their scores, the size of one at scale 1, the similarity map, and how sure all this is."""
+
+    elements: Elements
+    points: Points
+    scores: Vector
+    width: Number
+    height: Number
+    similarity: Image
+    confidence: Number
+
+
+@node
+def find_textons(
+    image: Image,
+    *,
+    examples: Annotated[
+        list[Example],
+        Field(max_length=8, description="one element of each kind; none = automatic"),
+    ] = [],  # noqa: B006 (never changed)
+    turn: Annotated[float, Field(ge=0, le=180, description="elements may be turned by up to this, degrees")] = 0.0,
+    growth: Annotated[float, Field(ge=1, le=2, description="elements may be so many times larger or smaller")] = 1.0,
+    radius: Annotated[float, Field(ge=0.2, le=2, description="least distance of two elements over their size")] = 0.66,
+    least_score: Annotated[
+        float | None, Field(ge=-1, le=1, description="of an element; by default where the scores part in two groups")
+    ] = None,
+    search: Annotated[
+        Literal["vector", "literal"],
+        Field(description="literal: least-entropy channel, no least score, stop when 95 % is picked or removed"),
+    ] = "vector",
+    ctx: Context = QUIET,
+) -> Textons:
+    """Find all that looks like the given elements, or the elements themselves.
+
+    The similarity to each example is one normalised cross-correlation over all channels of the appearance vectors. Its
+    maxima are taken from the highest on, each removing weaker ones in an ellipse of `radius` times the element's size,
+    down to the least score. Places are then refined against the mean of all that was found.
+
+    Parameters
+    ----------
+    image
+        Shape (h, w, c).
+    examples
+        Each with ``x``, ``y`` (its centre), ``width`` and ``height`` in pixels. Without any, parts of even colour,
+        their thickest places and blobs propose elements; the one that explains the picture best (mean correlation x
+        root of the covered share x regularity) is taken, and a second kind if it explains more.
+    turn, growth
+        Ranges of the search. When any is used, templates every 15 degrees and factor 1.2 are tried, and the matches
+        are refined. Angles and scales are relative to the example. Matching then goes by colours' shares of the light
+        instead of colours: shading does not turn with an element. In grey pictures there is only the brightness, so
+        elements may come out turned to fit their shading.
+    search
+        ``literal`` follows the paper: noise between the elements is found too. It takes one example and no turn.
+
+    Returns
+    -------
+    elements, points
+        The strongest first. A centre is where the example's given centre would be.
+    scores
+        Correlation with the mean element, at most 1.
+    width, height
+        The (mean) example's size, pixels.
+    similarity
+        Shape (h, w, 1): the best correlation at each pixel; enlarged where it was searched at a lower resolution.
+    confidence
+        In automatic mode how well the elements explain the picture, 0 to 1; with examples the mean score.
+
+    Raises
+    ------
+    ValueError
+        No element is found, an example is outside the picture or all of one colour, or the picture is too large.
+
+    Examples
+    --------
+    >>> from graphtex_nodes import textons
+    >>> made = textons(width=120, height=120, size=20.0, rng=1)
+    >>> found = find_textons(made.image)
+    >>> bool(np.hypot(*(found.points - made.centres[0]).T).min() < 2)
+    True
+    """
+    from graphtex_nodes.splicing._automatic import choose
+    from graphtex_nodes.splicing._detection import detect
+
+    if search == "literal":
+        return _literal(image, examples, turn, growth, radius, ctx)
+    given, confidence = list(examples), -1.0
+    if not given:
+        given, confidence = choose(image, turn, growth, radius, ctx)
+        if not given:
+            raise ValueError(
+                f"image: expected at least 4 alike elements, found none in {image.shape[1]} x {image.shape[0]} pixels; "
+                f"give one in examples"
+            )
+        if confidence < DOUBTFUL:
+            ctx.warn(f"confidence {confidence:.2f}: these may not be the elements; better give one in examples")
+    found = detect(image, given, turn=turn, growth=growth, radius=radius, floor=least_score, ctx=ctx)
+    poses = found.poses
+    if not len(poses.points):
+        raise ValueError(f"least_score: expected at least one element, got none with a score of {least_score}")
+    return Textons(
+        Elements(poses.points, poses.angles, poses.scales), poses.points, poses.scores.astype(np.float64),
+        float(np.mean([e.width for e in given])), float(np.mean([e.height for e in given])),
+        _enlarged(found.similarity, found.step, image.shape[:2]),
+        float(poses.scores.mean()) if confidence < 0 else confidence,
+    )  # fmt: skip
+
+
+def _literal(image: Array, examples: list[Example], turn: float, growth: float, radius: float, ctx: Context) -> Textons:
+    """The search as the paper has it."""
+    from graphtex_nodes.splicing._peaks import cover, local_maxima, suppress
+    from graphtex_nodes.splicing.appearance_vectors import appearance_vectors
+    from graphtex_nodes.splicing.self_similarity import self_similarity
+
+    if len(examples) != 1 or turn > 0 or growth > 1:
+        raise ValueError(
+            f"search: literal expects one example, turn 0 and growth 1, got {len(examples)} examples, turn {turn:g} "
+            f"and growth {growth:g}"
+        )
+    one = examples[0]
+    similarity = self_similarity(
+        appearance_vectors(image).appearance, x=one.x, y=one.y, width=one.width, height=one.height, measure="literal",
+        ctx=ctx,
+    )  # fmt: skip
+    points, scores = local_maxima(similarity[..., 0].astype(np.float64), 1)
+    size = np.array([one.width, one.height])
+    kept = suppress(points, np.tile(size, (len(points), 1)), np.zeros(len(points)), radius)
+    points, scores = points[kept], scores[kept]
+    count = cover(points, similarity.shape[:2], radius * size, COVERED)
+    points, scores = points[:count], scores[:count]
+    elements = Elements(points, np.zeros(count), np.ones(count))
+    return Textons(elements, points, scores, one.width, one.height, similarity, float(scores.mean()))
+
+
+def _enlarged(similarity: Array, step: float, shape: tuple[int, ...]) -> Array:
+    """Similarity (h, w, 1) at all pixels, of one at every `step`-th."""
+    from scipy.ndimage import map_coordinates
+
+    if step > 1:
+        grid = np.meshgrid(*(np.arange(side) / step for side in shape), indexing="ij")
+        similarity = map_coordinates(similarity, grid, order=1, mode="nearest")
+    return similarity[..., None].astype(np.float32)

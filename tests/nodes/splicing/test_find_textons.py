@@ -1,0 +1,164 @@
+from functools import partial
+
+import numpy as np
+import pytest
+
+from graphtex import Context
+from graphtex_nodes import find_textons, textons
+from graphtex_nodes.splicing._peaks import cover, local_maxima, score_floor, suppress
+from graphtex_nodes.splicing._unlit import unlit
+from tests.nodes.splicing.detection import agreement, central
+
+small = partial(textons, width=144, height=128, size=20.0)
+SETS = {
+    "square": partial(small, jitter=0.1),
+    "hexagonal": partial(small, form="flower", arrangement="hexagonal", jitter=0.1),
+    "random": partial(small, form="leaf", arrangement="random", spacing=0.95),
+    "touching": partial(small, arrangement="hexagonal", spacing=0.97, jitter=0.03),
+    "bricks": partial(small, form="tile", size=32.0, arrangement="brick", spacing=1.12, proportion=0.45),
+}
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_given_element(name):
+    made = SETS[name](rng=1)
+    size = SETS[name].keywords["size"]
+    found = find_textons(made.image, examples=[central(made, size)[1]])
+    assert agreement(found.points, made, size)[0] >= 0.98
+    assert found.confidence > 0.9
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_automatic(name):
+    made = SETS[name](rng=2)
+    found = find_textons(made.image)
+    assert agreement(found.points, made, SETS[name].keywords["size"])[0] >= 0.9
+
+
+def test_two_kinds():
+    """One example finds its own kind, two find both."""
+    made = small(form="flower", other="disc", arrangement="hexagonal", spacing=1.25, rng=3)
+    index, first = central(made, 20.0)
+    second = central(made, 20.0, unlike=index)[1]
+    both = agreement(find_textons(made.image, examples=[first, second]).points, made, 20.0)[0]
+    assert both >= 0.98
+    assert agreement(find_textons(made.image, examples=[first]).points, made, 20.0)[0] < 0.8
+
+
+def test_turned_and_sized():
+    made = textons(
+        width=200, height=176, form="leaf", size=30.0, arrangement="random", turn=180.0, growth=1.2, spacing=1.0, rng=5
+    )
+    index, example = central(made, 30.0)
+    found = find_textons(made.image, examples=[example], turn=180.0, growth=1.5)
+    share, which, true = agreement(found.points, made, 30.0)
+    assert share >= 0.98
+    inner = (np.abs(made.centres[true] - (99.5, 87.5)) < (82, 70)).all(axis=1)
+    which, true = which[inner], true[inner]
+    off = found.elements.angles[which] - (made.elements.angles[true] - made.elements.angles[index])
+    assert np.abs((off + 180) % 360 - 180).max() < 8
+    sizes = found.elements.scales[which] * made.elements.scales[index] / made.elements.scales[true]
+    assert np.abs(sizes - 1).max() < 0.1
+
+
+def test_places_are_between_pixels():
+    made = small(rng=6)
+    found = find_textons(made.image, examples=[central(made, 20.0)[1]])
+    _, which, true = agreement(found.points, made, 20.0)
+    assert np.median(np.hypot(*(found.points[which] - made.centres[true]).T)) < 0.15
+
+
+def test_literal_search_finds_noise_too():
+    """The paper's channel choice and stop are worse than the default on the same element."""
+    made = SETS["random"](rng=1)
+    example = central(made, 20.0)[1]
+    literal = find_textons(made.image, examples=[example], search="literal")
+    assert agreement(literal.points, made, 20.0)[0] < 0.9
+    assert literal.similarity.shape == (128, 144, 1)
+
+
+def test_grey_four_channels_and_one_element():
+    """Brightness alone will do; a fourth channel is one more; a single element is found once."""
+    made = small(form="leaf", rng=7)
+    example = central(made, 20.0)[1]
+    grey = made.image.mean(axis=2, keepdims=True)
+    for image in (grey, np.concatenate([made.image, grey], axis=2)):
+        assert agreement(find_textons(image, examples=[example]).points, made, 20.0)[0] >= 0.95
+    y, x = np.mgrid[:40, :50]
+    dot = (np.hypot(x - 25, y - 20) < 7).astype(np.float32)[..., None]
+    one = find_textons(dot, examples=[{"x": 25, "y": 20, "width": 17, "height": 17}])
+    np.testing.assert_allclose(one.points, [[25, 20]], atol=0.05)
+
+
+def test_threads_change_nothing():
+    made = SETS["bricks"](rng=2)
+    one, two = (find_textons(made.image, ctx=Context(threads=threads)) for threads in (1, 2))
+    assert one.points.tobytes() == two.points.tobytes()
+    assert one.similarity.tobytes() == two.similarity.tobytes()
+
+
+def test_large_element_searches_a_smaller_picture():
+    made = textons(width=400, height=400, size=80.0, rng=1)
+    found = find_textons(made.image, examples=[central(made, 80.0)[1]])
+    assert agreement(found.points, made, 80.0)[0] == 1
+    assert found.similarity.shape == (400, 400, 1)
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 3), (1, 40, 3), (64, 64, 1)])
+def test_nothing_to_find(shape):
+    with pytest.raises(ValueError, match="image: expected at least 4 alike elements, found none"):
+        find_textons(np.full(shape, 0.5, np.float32))
+
+
+def test_noise_is_doubtful_or_empty():
+    told: list[str] = []
+    noise = np.random.default_rng(1).random((96, 96, 3)).astype(np.float32)
+    try:
+        find_textons(noise, ctx=Context(on_warning=told.append))
+    except ValueError as error:
+        told.append(str(error))
+    assert "examples" in told[0]
+
+
+def test_refuses():
+    image = small(rng=1).image
+    with pytest.raises(ValueError, match=r"examples\[0\]: expected an element with its centre in the picture"):
+        find_textons(image, examples=[{"x": 200, "y": 10, "width": 9, "height": 9}])
+    with pytest.raises(ValueError, match="literal expects one example, turn 0 and growth 1, got 0 examples"):
+        find_textons(image, search="literal")
+    with pytest.raises(ValueError, match="width"):
+        find_textons(image, examples=[{"x": 20, "y": 10, "width": 1, "height": 9}])
+
+
+def test_peaks_by_hand():
+    scores = np.zeros((5, 7))
+    scores[2, 2], scores[2, 3], scores[4, 6] = 1.0, 0.5, 0.7
+    points, values = local_maxima(scores, 1)
+    np.testing.assert_allclose(points, [[2 + 0.5 * 0.5 / 1.5, 2], [6, 4]])  # the parabola through 0, 1, 0.5
+    np.testing.assert_allclose(values, [1, 0.7])
+
+
+def test_suppression_turns_with_the_element():
+    """An ellipse of 10 x 2, turned by 90 degrees, removes what is above and not what is beside."""
+    points, sizes = np.array([[0.0, 0.0], [0.0, 8.0], [8.0, 0.0]]), np.tile([10.0, 2.0], (3, 1))
+    assert suppress(points, sizes, np.array([90.0, 0, 0]), 1.0).tolist() == [0, 2]
+    assert suppress(points, sizes, np.zeros(3), 1.0).tolist() == [0, 1]
+
+
+def test_cover_by_hand():
+    """Boxes of 3 x 3 in a picture of 3 x 9."""
+    assert cover(np.array([[1.0, 1], [4, 1], [7, 1], [1, 1]]), (3, 9), np.array([1.0, 1.0]), 0.95) == 3
+
+
+def test_floor_parts_two_groups():
+    assert 0.5 < score_floor(np.array([0.9, 0.95, 0.85, 0.3, 0.35, 0.28, 0.31])) < 0.7
+    assert score_floor(np.array([0.9])) == 0.4
+
+
+def test_unlit_ignores_brightness():
+    """Shading that halves the light changes the shares of the colours little."""
+    image = small(rng=1).image
+    shaded = image * np.linspace(0.5, 1, 144, dtype=np.float32)[None, :, None]
+    a, b = (unlit(x)[..., :3].reshape(-1, 3) for x in (image, shaded))
+    for channel in range(3):
+        assert np.corrcoef(a[:, channel], b[:, channel])[0, 1] > 0.97
