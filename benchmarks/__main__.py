@@ -8,8 +8,8 @@ from pathlib import Path
 
 from benchmarks.figures import Figure, table
 
-GROUPS = ("engine", "perspective", "plain", "speed", "completion")
-WITH_TEXTURES = {"plain"}  # groups that can measure the user's own pictures
+GROUPS = ("engine", "perspective", "plain", "speed", "completion", "materials")
+WITH_TEXTURES = {"plain", "materials"}  # groups that can measure the user's own pictures
 
 
 def main() -> int:
@@ -18,7 +18,7 @@ def main() -> int:
     parser.add_argument("groups", nargs="*", metavar="GROUP", help=f"one of {', '.join(GROUPS)}; all without it")
     parser.add_argument("--json", action="store_true", help="print a list of objects")
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="write the pictures that were measured")
-    parser.add_argument("--textures", type=Path, metavar="DIR", help="plain: measure the pictures of a folder instead")
+    parser.add_argument("--textures", type=Path, metavar="DIR", help="measure a folder's pictures, where a group can")
     arguments = parser.parse_args()
     unknown = set(arguments.groups) - set(GROUPS)
     if unknown:

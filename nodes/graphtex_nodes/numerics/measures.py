@@ -184,6 +184,20 @@ def patch_distance(
     return total / levels
 
 
+def seam_energy(image: Array, axis: int) -> tuple[float, float]:
+    """How the border over which a picture (h, w, c) continues compares with the steps between its own rows or columns.
+
+    A step's energy is the mean squared difference of two neighbouring rows (axis 0) or columns (axis 1). Returned are
+    the share of the steps inside whose energy is below that over the border, evenly spread from 0 to 1 where no seam
+    shows, and the border's energy over the largest one inside, at most 1 there.
+    """
+    step = np.roll(np.asarray(image, np.float64), -1, axis) - image
+    energy = (step * step).mean(axis=(1 - axis, 2))
+    inside, border = energy[:-1], float(energy[-1])
+    largest = float(inside.max(initial=0))
+    return float(np.mean(inside < border)) if inside.size else 0.0, border / largest if largest > 0 else 0.0
+
+
 def _projected_quantiles(picture: Array, axes: Array, patch: int) -> Array:
     """Quantiles (257, directions) of the projections of all patches, at steps of two pixels."""
     windows = np.lib.stride_tricks.sliding_window_view(picture, (patch, patch), axis=(0, 1))[::2, ::2]

@@ -3,7 +3,13 @@ import pytest
 
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.pebbles import pebbles
-from graphtex_nodes.numerics.measures import element_sizes, patch_distance, scale_slope, source_scale_correlation
+from graphtex_nodes.numerics.measures import (
+    element_sizes,
+    patch_distance,
+    scale_slope,
+    seam_energy,
+    source_scale_correlation,
+)
 from tests.truth import rendered_plane
 
 
@@ -36,6 +42,15 @@ def test_direction_follows_the_scale(turns):
     image = stripes(scale, 8.0)
     expected = scale_slope(image, scale)
     assert scale_slope(np.rot90(image, turns), np.rot90(scale, turns)) == pytest.approx(expected, abs=0.06)
+
+
+def test_seam_energy_by_hand():
+    """Columns 0, 1, 3, 4: steps of 1, 2, 1 inside and of 4 over the border; rows are all alike."""
+    image = np.tile(np.float32([0, 1, 3, 4]), (3, 1))[..., None]
+    assert seam_energy(image, 1) == (1.0, 4.0)
+    assert seam_energy(image, 0) == (0.0, 0.0)
+    assert seam_energy(np.float32([0, 2, 1, 1]).reshape(1, 4, 1), 1) == (1 / 3, 1 / 4)
+    assert seam_energy(image[:1, :1], 0) == (0.0, 0.0)
 
 
 def test_slope_of_an_exemplar_and_of_its_blocks():
