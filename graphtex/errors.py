@@ -50,10 +50,6 @@ class DeclarationError(GraphtexError, TypeError):
     """A function cannot become a node, a writer or a view, because of how it is declared."""
 
 
-class PackError(GraphtexError):
-    """A pack of nodes could not be loaded."""
-
-
 class Cancelled(GraphtexError):
     """The run was asked to stop."""
 

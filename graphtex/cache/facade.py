@@ -135,10 +135,6 @@ class Cache:
         self._store.count(self._index.write(record))
         return record
 
-    def forget(self, key: str) -> None:
-        """Remove a record, for instance after one of its outputs turned out to be lost."""
-        remove(self._index.path(key))
-
     def record_run(self, graph: str, nodes: Mapping[str, KeyParts]) -> None:
         """Keep of what the keys of a graph (absolute path, or shipped name) were made. Raises `CacheUnavailable`."""
         self._index.write_run(graph, nodes)

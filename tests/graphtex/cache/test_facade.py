@@ -48,13 +48,6 @@ def test_a_later_record_replaces(cache):
     assert np.all(cache.load(cache.lookup(key(1)))["out0"] == 2)
 
 
-def test_forget(cache):
-    keep(cache, 1, block(1))
-    cache.forget(key(1))
-    cache.forget(key(1))
-    assert cache.lookup(key(1)) is None
-
-
 def test_a_record_whose_output_is_gone_is_dropped(cache):
     """Also if it is a part of an output that is gone."""
     inner = cache.put("Pair", Pair(block(1), block(2), "a", 0.5))
