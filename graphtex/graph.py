@@ -16,6 +16,7 @@ from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.files import read, read_file, save
 from graphtex.node import Node
 from graphtex.parameters import plain
+from graphtex.shipped import shipped_file
 from graphtex.sockets import TYPES, find_type
 
 if TYPE_CHECKING:
@@ -101,6 +102,8 @@ class Graph(Document):
         from graphtex.links import Links
         from graphtex.packs import registry
 
+        if not isinstance(node, Node | str | os.PathLike):
+            raise TypeError(f"add: expected a node, a function with @node, or a graph file, got {node!r}")
         own = node.function.__name__ if isinstance(node, Node) else Path(node).stem.replace("-", "_")
         if name is None:
             name = (
@@ -155,8 +158,9 @@ class Graph(Document):
 
 
 def load(path: str | os.PathLike[str]) -> Graph:
-    """Return the graph of a file; GraphError with all that is wrong, in form and in meaning."""
-    return _checked(*read_file(path))
+    """Return the graph of a file, or a shipped one by its name; GraphError with all that is wrong, also in meaning."""
+    shipped = None if Path(path).exists() else shipped_file(Path(path))
+    return _checked(*read_file(shipped or path))
 
 
 def loads(text: str) -> Graph:

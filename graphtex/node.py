@@ -71,7 +71,10 @@ class Node(Generic[P, R]):
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         """Run on plain arrays; ValueError names the socket or parameter that does not fit."""
-        bound = inspect.signature(self.function).bind(*args, **kwargs)
+        try:
+            bound = inspect.signature(self.function).bind(*args, **kwargs)
+        except TypeError as error:
+            raise TypeError(f"{self.function.__name__}() {error}") from None
         sockets = {name: bound.arguments[name] for name in self.inputs if name in bound.arguments}
         values = {k: v for k, v in bound.arguments.items() if k not in self.inputs and k not in self.injected}
         parameters, problems = validate(self.parameters, values)

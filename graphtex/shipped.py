@@ -24,13 +24,22 @@ def find_graph(name: str | Path) -> Path:
     path = Path(name)
     if path.is_file():
         return path
-    wanted = path.as_posix().removesuffix(".yaml").removesuffix(".yml").removeprefix("graphs/")
-    found = shipped_folder() / f"{wanted}.yaml"
-    if not path.is_absolute() and found.is_file():
+    found = shipped_file(path)
+    if found is not None:
         return found
     what = "is a folder, not a graph file" if path.is_dir() else "is no file and no graph that ships"
-    hint = did_you_mean(wanted, shipped_names(), label="shipped graphs")
+    hint = did_you_mean(_shipped_name(path), shipped_names(), label="shipped graphs")
     raise GraphError([Problem("", 0, 0, "", f"{str(name)!r} {what}{hint}")])
+
+
+def shipped_file(path: Path) -> Path | None:
+    """Return the file of the shipped graph that a path names, ``.yaml`` or ``graphs/`` written or not; None if none."""
+    found = shipped_folder() / f"{_shipped_name(path)}.yaml"
+    return found if not path.is_absolute() and found.is_file() else None
+
+
+def _shipped_name(path: Path) -> str:
+    return path.as_posix().removesuffix(".yaml").removesuffix(".yml").removeprefix("graphs/")
 
 
 def graph_identity(path: Path | None) -> str:

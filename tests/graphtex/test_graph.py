@@ -155,6 +155,11 @@ def test_a_sub_graph_is_added_by_its_file(tmp_path):
     assert made.brighter == SocketHandle("to_light")
 
 
+def test_what_is_neither_a_node_nor_a_file_is_not_added():
+    with pytest.raises(TypeError, match=r"add: expected a node, a function with @node, or a graph file, got <built-in"):
+        Graph().add(len)
+
+
 def test_a_node_of_no_pack_stays_with_its_graph():
     g = Graph()
     g.output("image", g.add(stray, image=g.add(tiny.const)))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from graphtex import GraphError, shipped
+from graphtex import GraphError, load, shipped
 from graphtex.shipped import find_graph, graph_identity, shipped_folder, shipped_names
 
 
@@ -43,6 +43,16 @@ def test_a_dot_in_a_name_is_part_of_it(checkout):
 def test_a_file_goes_before_a_shipped_graph(checkout):
     (checkout / "mine.yaml").write_text("")
     assert find_graph("mine.yaml").read_text() == ""
+
+
+def test_python_loads_a_shipped_graph_by_its_name(checkout):
+    (checkout.parent / "graphs" / "perspective" / "feature-mask.yaml").write_text(
+        "graphtex: 1\ntitle: Mine\nnodes:\n  n: {node: Sample, name: gravel}\n"
+    )
+    for name in ("perspective/feature-mask", "graphs/perspective/feature-mask.yaml"):
+        assert load(name).title == "Mine"
+    with pytest.raises(GraphError, match="there is no such file"):
+        load("perspective/feature-msk")
 
 
 @pytest.mark.parametrize(
