@@ -36,6 +36,7 @@ from graphtex_nodes.image.load_data import (
 from graphtex_nodes.image.maps import select_map, split_maps, stack_maps
 from graphtex_nodes.image.normals import normals_from_height
 from graphtex_nodes.perspective.complete import complete
+from graphtex_nodes.perspective.estimate_angles import estimate_angles
 from graphtex_nodes.perspective.exemplar_inpaint import exemplar_inpaint
 from graphtex_nodes.perspective.feature_mask import feature_mask
 from graphtex_nodes.perspective.feature_scale import feature_scale
@@ -68,6 +69,7 @@ __all__ = [
     "bricks",
     "complete",
     "contact_sheet",
+    "estimate_angles",
     "exemplar_inpaint",
     "extend_texture",
     "factor_warp",

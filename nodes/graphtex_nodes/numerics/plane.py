@@ -87,16 +87,14 @@ def seen_plane(width: int, height: int, slant: float, tilt: float, field_of_view
         The horizon is in the picture: tan(slant) tan(view / 2) reaches 1 (for the picture's side; the corner of a
         tilted plane is further out and is what counts).
     """
-    sin, cos = abs(np.sin(np.radians(tilt))), abs(np.cos(np.radians(tilt)))
-    reach = (width - 1) / 2 * sin + (height - 1) / 2 * cos
+    reach = tilt_reach(width, height, tilt)
     foreshortening = float(np.cos(np.radians(slant)))
     if reach < 1e-9 or slant == 0:  # no depth to vary along, or none to see
         return Plane(width, height, tilt, foreshortening, 1.0, 0.0)
     if field_of_view is None:
         loss = (1 - foreshortening**2) / (1 + foreshortening**2)
     else:
-        focal_length = max(width, height) / 2 / np.tan(np.radians(field_of_view) / 2)
-        loss = np.tan(np.radians(slant)) * reach / focal_length
+        loss = np.tan(np.radians(slant)) * reach / focal_length(width, height, field_of_view)
         if loss >= 1:
             raise ValueError(
                 f"field_of_view: the horizon is in the picture: tan(slant) tan(field_of_view / 2) must stay below 1 "
@@ -104,6 +102,25 @@ def seen_plane(width: int, height: int, slant: float, tilt: float, field_of_view
                 f"{field_of_view:g}"
             )
     return Plane(width, height, tilt, foreshortening, float(1 / np.sqrt(1 - loss**2)), float(loss / reach))
+
+
+def slant_of(width: int, height: int, tilt: float, steepness: float, field_of_view: float | None) -> float:
+    """Slant (degrees) of the plane that `seen_plane` would give this steepness: its inverse."""
+    if field_of_view is None:
+        loss = min(steepness * tilt_reach(width, height, tilt), 1.0)
+        return float(np.degrees(np.arccos(np.sqrt((1 - loss) / (1 + loss)))))
+    return float(np.degrees(np.arctan(steepness * focal_length(width, height, field_of_view))))
+
+
+def tilt_reach(width: int, height: int, tilt: float) -> float:
+    """Pixels from the picture's centre to its far end along the tilt."""
+    turn = np.radians(tilt)
+    return float((width - 1) / 2 * abs(np.sin(turn)) + (height - 1) / 2 * abs(np.cos(turn)))
+
+
+def focal_length(width: int, height: int, field_of_view: float) -> float:
+    """Distance (pixels) of the camera from the picture, if its view spans the longer side."""
+    return float(max(width, height) / 2 / np.tan(np.radians(field_of_view) / 2))
 
 
 @dataclass(frozen=True)

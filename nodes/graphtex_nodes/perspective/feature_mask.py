@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Context, Image, Mask, node
+from graphtex_nodes.numerics.principal import principal_channel
 
 Array = NDArray[Any]
 Method = Literal["canny", "ridges", "contrast"]
@@ -84,21 +85,6 @@ def feature_mask(
     if not mask.any():
         ctx.warn("no features found: a lower threshold, another sigma or method may find some")
     return mask
-
-
-def principal_channel(image: Array) -> Array:
-    """Values (h, w), float64, mean 0, along the direction of largest variance of the colours; brighter is larger."""
-    colours = image.astype(np.float64)
-    colours = colours - colours.mean(axis=(0, 1))  # filters that should ignore a constant do so but for rounding
-    if colours.shape[2] == 1:
-        only: Array = colours[..., 0]
-        return only
-    # einsum adds in one order, whatever the number of threads: a mask must not depend on it
-    covariance = np.einsum("hwc,hwd->cd", colours, colours, optimize=False)
-    axis = np.linalg.eigh(covariance)[1][:, -1]
-    axis = axis if axis.sum() >= 0 else -axis
-    result: Array = np.einsum("hwc,c->hw", colours, axis, optimize=False)
-    return result
 
 
 def _edges(grey: Array, sigma: float) -> Array:

@@ -5,22 +5,23 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from graphtex import ScaleMap, node
+from graphtex import Image, ScaleMap, node
 from graphtex_nodes.numerics.plane import seen_plane
 
 Slant = Annotated[float, Field(ge=0, lt=90, description="angle between the view axis and the plane's normal, degrees")]
 Tilt = Annotated[float, Field(ge=-180, le=180, description="where texels shrink to, degrees clockwise from up")]
 View = Annotated[float, Field(gt=0, lt=180, description="camera's angle of view over the longer side, degrees")]
-Pixels = Annotated[int, Field(ge=1, description="size of the map in pixels")]
+Pixels = Annotated[int, Field(ge=0, description="pixels; 0 takes the picture's")]
 
 SMALLEST, LARGEST = 1 / 8, 8.0
 
 
 @node
 def scale_from_angles(
+    image: Image | None = None,
     *,
-    width: Pixels,
-    height: Pixels,
+    width: Pixels = 0,
+    height: Pixels = 0,
     slant: Slant = 45.0,
     tilt: Tilt = 0.0,
     field_of_view: View | None = None,
@@ -42,8 +43,8 @@ def scale_from_angles(
 
     Parameters
     ----------
-    width, height
-        Size of the map in pixels.
+    image
+        Nothing is read of it but its size, which the map takes where ``width`` and ``height`` give none.
     slant
         0 is a plane seen face on (S = 1 everywhere).
     tilt
@@ -63,8 +64,9 @@ def scale_from_angles(
     Raises
     ------
     ValueError
-        With a field of view: the horizon is in the picture, tan(slant) tan(view/2) >= 1 in a square picture of tilt 0;
-        what counts in general is the corner that is furthest along the tilt.
+        There is neither a size nor a picture. With a field of view: the horizon is in the picture, tan(slant)
+        tan(view/2) >= 1 in a square picture of tilt 0; what counts in general is the corner that is furthest along the
+        tilt.
 
     Notes
     -----
@@ -76,6 +78,11 @@ def scale_from_angles(
     >>> scale_from_angles(width=1, height=3, slant=60.0)[:, 0]
     array([0.5 , 1.25, 2.  ], dtype=float32)
     """
+    for name, given in (("width", width), ("height", height)):
+        if not given and image is None:
+            raise ValueError(f"{name}: expected at least 1 pixel, or an image to take the size from, got {given}")
+    if image is not None:
+        width, height = width or image.shape[1], height or image.shape[0]
     scale = seen_plane(width, height, slant, tilt, field_of_view).scale()
     clamped = np.clip(scale, SMALLEST, LARGEST)
     if mirror:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.perspective.feature_mask import feature_mask, principal_channel
+from graphtex_nodes.perspective.feature_mask import feature_mask
 
 
 def grating(channels=1, period=16, width=3, size=64):
@@ -71,16 +71,6 @@ def test_equally_bright_colours_are_told_apart():
     mask = feature_mask(image, method="canny")
     assert mask[14:18].any()
     assert not mask[20:28, 20:28].any()
-
-
-def test_principal_channel_of_one_channel_is_that_channel_less_its_mean():
-    image = np.random.default_rng(2).random((5, 4, 1), np.float32)
-    np.testing.assert_allclose(principal_channel(image), image[..., 0] - image.mean(), atol=1e-6)
-
-
-def test_brighter_is_larger():
-    image = np.random.default_rng(3).random((20, 20, 1), np.float32) * np.array([0.2, 0.9, 0.4], np.float32)
-    assert np.corrcoef(principal_channel(image).ravel(), image.mean(axis=2).ravel())[0, 1] > 0.999
 
 
 def test_higher_threshold_finds_less():

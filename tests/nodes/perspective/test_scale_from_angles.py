@@ -100,3 +100,14 @@ def test_resized_it_is_the_same_plane():
     np.testing.assert_allclose(
         resize_scale(small, width=40, height=31), scale_from_angles(width=40, height=31, slant=50.0), rtol=1e-6
     )
+
+
+def test_takes_the_size_of_a_picture():
+    image = np.zeros((5, 9, 3), np.float32)
+    np.testing.assert_array_equal(scale_from_angles(image, tilt=20.0), scale_from_angles(width=9, height=5, tilt=20.0))
+    assert scale_from_angles(image, height=7).shape == (7, 9)
+
+
+def test_needs_a_size():
+    with pytest.raises(ValueError, match="height: expected at least 1 pixel, or an image"):
+        scale_from_angles(width=4)
