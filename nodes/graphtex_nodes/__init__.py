@@ -52,6 +52,8 @@ from graphtex_nodes.perspective.scale_pattern import scale_from_image, scale_pat
 from graphtex_nodes.perspective.view_scale import view_scale
 from graphtex_nodes.splicing.align_distributions import align_distributions
 from graphtex_nodes.splicing.appearance_vectors import appearance_vectors
+from graphtex_nodes.splicing.arrange_path import arrange_path, arrange_points
+from graphtex_nodes.splicing.arrange_pattern import arrange_pattern
 from graphtex_nodes.splicing.extend_texture import extend_texture
 from graphtex_nodes.splicing.factor_warp import factor_warp
 from graphtex_nodes.splicing.find_textons import find_textons
@@ -62,10 +64,14 @@ from graphtex_nodes.splicing.refine import refine
 from graphtex_nodes.splicing.rigid_warp import rigid_warp
 from graphtex_nodes.splicing.self_similarity import self_similarity
 from graphtex_nodes.splicing.split_texture import split_texture
+from graphtex_nodes.splicing.vary_elements import vary_elements
 
 __all__ = [
     "align_distributions",
     "appearance_vectors",
+    "arrange_path",
+    "arrange_pattern",
+    "arrange_points",
     "bricks",
     "complete",
     "contact_sheet",
@@ -123,6 +129,7 @@ __all__ = [
     "split_texture",
     "stack_maps",
     "textons",
+    "vary_elements",
     "view_scale",
     "woven_cloth",
 ]

@@ -73,3 +73,13 @@ def test_a_pair_that_cannot_be_spliced_leaves_a_gap(tmp_path: Path):
     result = gt.run(graph, {"textures": [cropped("tiles"), lonely]}, cache=tmp_path)
     gaps = [isinstance(image, gt.Gap) for image in result["images"]]
     assert gaps[:2] == [False, True]
+
+
+def test_a_pattern_turns_and_sizes_elements():
+    """The area of the foreground grows with the square of the size, a little more where the border cuts elements."""
+    graph = gt.load(FOLDER / "self-splice.yaml")
+    graph.nodes["target"].arguments["scale"] = 1.3
+    inputs = {"elements": cropped("oranges"), "pattern": "square", "density": 0.5}
+    large = gt.run(graph, inputs, cache=False)["mask"].mean()
+    usual = gt.run(gt.load(FOLDER / "self-splice.yaml"), inputs, cache=False)["mask"].mean()
+    assert large / usual == pytest.approx(1.3**2, rel=0.15)

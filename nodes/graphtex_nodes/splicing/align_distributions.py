@@ -66,6 +66,7 @@ def align_distributions(
     """
     from graphtex_nodes.splicing import _pattern
     from graphtex_nodes.splicing.extend_texture import checked
+    from graphtex_nodes.splicing.texton_labels import texton_reach
 
     checked(arrangement, "arrangement")
     for name, points in (("elements", elements.points), ("arrangement", arrangement.points)):
@@ -83,7 +84,7 @@ def align_distributions(
     turns = [0.0]
     if orientation == "radon":
         turns += _turns(elements, arrangement, wanted, own)
-    margin = min(_reach(elements), wanted) + 1
+    margin = min(texton_reach(elements.labels, elements.points), wanted) + 1
     tried = []
     for turn in turns:
         ctx.check()
@@ -92,15 +93,6 @@ def align_distributions(
     _, places, turn = min(tried, key=lambda entry: entry[0])
     count = len(places)
     return Alignment(Elements(places, np.zeros(count), np.ones(count)), scale, turn)
-
-
-def _reach(elements: Extension) -> float:
-    """How far (pixels) elements reach from their centres, the largest of 20 apart."""
-    rows, columns = np.nonzero(elements.labels >= 0)
-    index = elements.labels[rows, columns]
-    farthest = np.zeros(len(elements.points))
-    np.maximum.at(farthest, index, np.hypot(*(np.stack([columns, rows]) - elements.points[index].T)))
-    return float(np.quantile(farthest, 0.95))
 
 
 def _turns(elements: Extension, arrangement: Texture, wanted: float, own: float) -> list[float]:

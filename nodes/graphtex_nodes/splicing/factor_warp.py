@@ -13,6 +13,8 @@ from graphtex_nodes.splicing.values import Extension, Factor
 
 Array = NDArray[Any]
 LEAF, SEPARATOR = 6, 2
+RIM = 2
+"""Pixels around an element that go with it: its edge is soft, and a little of its shadow."""
 Hold = Annotated[
     Constraint, Field(description="what of a texton is moved: its centre, or all its pixels, so that it can turn")
 ]
@@ -45,8 +47,8 @@ def factor_warp(elements: Extension, *, hold: Hold = "centres", ctx: Context = Q
     elements
         An extension of ``n`` pixels.
     hold
-        ``centres`` is the paper's. ``elements`` constrains all pixels of a texton to a similarity; then the smoothness
-        counts outside of them only.
+        ``centres`` is the paper's. ``elements`` constrains all pixels of a texton, and the rim around them, to a
+        similarity; then the smoothness counts outside of them only.
 
     Returns
     -------
@@ -85,7 +87,16 @@ def constraint_rows(elements: Extension, hold: Constraint) -> tuple[Any, Array |
     """Rows of the constraint, and the pixels (h, w) that it holds all over; None for the centres."""
     if hold == "centres":
         return centre_rows(elements.points, elements.mask.shape), None
-    return pixel_rows(elements.labels), elements.labels >= 0
+    held = held_labels(elements)
+    return pixel_rows(held), held >= 0
+
+
+def held_labels(elements: Extension) -> Array:
+    """Texton of each pixel that moves with one as a whole: its own and the rim around them, where colours mix."""
+    from scipy.ndimage import grey_dilation
+
+    labels = elements.labels
+    return np.where(labels >= 0, labels, grey_dilation(labels, (2 * RIM + 1, 2 * RIM + 1)))
 
 
 def _factor(system: Any, order: Array) -> Factor:

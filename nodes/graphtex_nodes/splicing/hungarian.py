@@ -13,6 +13,8 @@ Array = NDArray[Any]
 
 MOST_PAIRS = 50_000_000
 """Largest cost matrix, 400 MB."""
+JOINT = 1.0
+"""What an element costs in which pieces of the extension meet, in usual distances of neighbours."""
 NEIGHBOURS = 6
 """Matched textons that a surplus one follows."""
 
@@ -62,7 +64,8 @@ def hungarian(
 
     Notes
     -----
-    The paper assumes equal numbers; here either may be larger, and a warning tells of places that stay empty.
+    The paper assumes equal numbers; here either may be larger, and a warning tells of places that stay empty. Disjoint
+    elements (F=d) in or beside which two pieces of the extension meet, and may be cut, are taken where others are far.
     """
     points = elements.points
     if len(points) == 0:
@@ -76,7 +79,8 @@ def hungarian(
             f"{len(target.points)}: a smaller window has fewer"
         )
     places = target.points + np.array([elements.left, elements.top])
-    chosen, taken, distances = assign(points[whole], places, farthest)
+    extra = np.where(_joined(elements)[whole], JOINT * _usual_distance(points), 0.0)
+    chosen, taken, distances = assign(points[whole], places, farthest, extra)
     moved = whole[chosen]
     empty = len(places) - len(taken)
     if empty:
@@ -91,8 +95,12 @@ def hungarian(
     return Assignment(Moves(points.copy(), targets, angles, scales, matched), mean, empty)
 
 
-def assign(points: Array, places: Array, farthest: float = 0.0) -> tuple[Array, Array, Array]:
+def assign(
+    points: Array, places: Array, farthest: float = 0.0, extra: Array | None = None
+) -> tuple[Array, Array, Array]:
     """Indices of points and of the places that they are assigned to, and their distances.
+
+    ``extra`` (n,) is what taking a point costs beside its distance.
 
     >>> assign(np.array([[0.0, 0.0], [5.0, 0.0]]), np.array([[4.0, 0.0]]))
     (array([1]), array([0]), array([1.]))
@@ -100,9 +108,10 @@ def assign(points: Array, places: Array, farthest: float = 0.0) -> tuple[Array, 
     from scipy.optimize import linear_sum_assignment
     from scipy.spatial.distance import cdist
 
-    costs = cdist(points, places)
-    chosen, taken = linear_sum_assignment(np.minimum(costs, farthest) if farthest else costs)
-    distances = costs[chosen, taken]
+    found = cdist(points, places)
+    costs = np.minimum(found, farthest) if farthest else found
+    chosen, taken = linear_sum_assignment(costs if extra is None else costs + extra[:, None])
+    distances = found[chosen, taken]
     near = distances <= farthest if farthest else np.ones(len(distances), bool)
     return chosen[near], taken[near], distances[near]
 
@@ -128,3 +137,24 @@ def _whole(elements: Extension) -> Array:
         cut[line] = True  # -1, the background, is the last
     whole: Array = ~cut[:-1]
     return whole if whole.any() else ~whole
+
+
+def _joined(elements: Extension) -> Array:
+    """Which disjoint textons hold or touch a seam between pieces of the extension."""
+    found = np.zeros(len(elements.points) + 1, bool)
+    if elements.tag == "F=d":
+        place, labels = elements.source[..., 1:3], elements.labels
+        down = (np.diff(place, axis=0) != np.array([1, 0])).any(axis=2)
+        right = (np.diff(place, axis=1) != np.array([0, 1])).any(axis=2)
+        for beside in (labels[:-1][down], labels[1:][down], labels[:, :-1][right], labels[:, 1:][right]):
+            found[beside] = True  # -1, the background, is the last
+    return found[:-1]
+
+
+def _usual_distance(points: Array) -> float:
+    """Median distance to the nearest other point; 0 for a single one."""
+    from scipy.spatial import cKDTree
+
+    if len(points) < 2:
+        return 0.0
+    return float(np.median(np.asarray(cKDTree(points).query(points, k=[2])[0])))

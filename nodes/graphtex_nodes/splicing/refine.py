@@ -10,6 +10,7 @@ from graphtex import QUIET, Axes, Context, Image, Mask, Rng, SourceMap, Texture,
 from graphtex_nodes.numerics.jit import announce
 from graphtex_nodes.numerics.parallel import for_rows
 from graphtex_nodes.splicing._stiffness import RULES
+from graphtex_nodes.splicing.factor_warp import RIM
 from graphtex_nodes.splicing.neighbour_sets import NeighbourSets
 from graphtex_nodes.splicing.tags import checked_tag
 
@@ -96,7 +97,7 @@ def refine(
     foreground = RULES[checked_tag(texture.tag, "texture.tag")].foreground
     rigid_source = texture.mask if foreground else ~texture.mask
     rigid = (mask if foreground else ~mask) & ~holes
-    fixed = binary_dilation(rigid, np.ones((3, 3), bool)) & ~holes
+    fixed = binary_dilation(rigid, np.ones((2 * RIM + 1, 2 * RIM + 1), bool)) & ~holes
     drawn = np.clip(np.rint(source[..., 1:3]), 0, np.array(shape) - 1).astype(np.int32)
     start = _shaken(drawn, holes, fixed, rigid_source, jitter, rng)
     charge = np.where(rigid_source, np.float32(rigid_charge), np.float32(1))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from graphtex import QUIET, Context, Displacement, node
 from graphtex_nodes.numerics.jit import announce
 from graphtex_nodes.splicing._stiffness import CONSTRAINT, RULES
-from graphtex_nodes.splicing.factor_warp import Hold, constraint_rows
+from graphtex_nodes.splicing.factor_warp import Hold, constraint_rows, held_labels
 from graphtex_nodes.splicing.tags import checked_tag
 from graphtex_nodes.splicing.values import Extension, Factor, Moves
 
@@ -82,8 +82,9 @@ def solve(factor: Factor, right_side: Array) -> Array:
 
 def _similarities(elements: Extension, moves: Moves) -> Array:
     """Displacement (m, 2) of each pixel that belongs to a texton, in order."""
-    rows, columns = np.nonzero(elements.labels >= 0)
-    index = elements.labels[rows, columns]
+    held = held_labels(elements)
+    rows, columns = np.nonzero(held >= 0)
+    index = held[rows, columns]
     offset = np.stack([columns, rows], axis=1) - moves.points[index]
     turn = np.radians(moves.angles[index])
     cos, sin = moves.scales[index] * np.cos(turn), moves.scales[index] * np.sin(turn)

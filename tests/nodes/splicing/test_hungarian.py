@@ -80,3 +80,14 @@ def test_refuses_more_pairs_than_fit_in_memory():
     extension = whole(discs([[9, 9]]))._replace(points=np.zeros((8000, 2)), labels=np.full((40, 40), -1, np.int32))
     with pytest.raises(ValueError, match="target: expected at most 5e\\+07 pairs"):
         hungarian(extension, elements(np.zeros((8000, 2))))
+
+
+def test_elements_with_a_seam_are_taken_where_others_are_far():
+    """Two textons are as near to a place; the one in which two pieces meet is left."""
+    extension = whole(discs([[12, 20], [28, 20]]))
+    source = extension.source.copy()
+    source[:, 12:, 2] += 3
+    joined = extension._replace(source=source)
+    assert hungarian(joined, elements([[19, 20]])).moves.matched.tolist() == [0, 1]
+    assert hungarian(joined, elements([[12, 20]])).moves.matched.tolist() == [1, 0]
+    assert hungarian(joined._replace(tag="F=c"), elements([[19, 20]])).moves.matched.tolist() == [1, 0]
