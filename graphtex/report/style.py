@@ -40,7 +40,7 @@ border-radius:50%}}
 .matrix td,.matrix th{{padding:.3rem .5rem .3rem 0;border:0}} .matrix figcaption{{max-width:10rem}}
 .matrix .gap,.matrix .told{{width:9rem}} .matrix .gap,.grid .gap{{padding:.4rem .6rem;font-size:.8rem}}
 .group:target,.task:target{{outline:2px solid var(--link);outline-offset:1px;border-radius:6px}}
-nav ul{{columns:14rem;padding-left:1.2rem;font-size:.9rem}} ul{{margin:.4rem 0;padding-left:1.2rem}}
+nav ul{{columns:20rem;padding-left:1.2rem;font-size:.9rem}} ul{{margin:.4rem 0;padding-left:1.2rem}}
 @media print{{.task{{break-inside:avoid}}}}
 """
 
