@@ -9,9 +9,9 @@ from pydantic import Field
 
 from graphtex import QUIET, AngleMap, Context, node
 from graphtex_nodes.numerics.strokes import Strokes
+from graphtex_nodes.perspective._sizes import Pixels
 
 Array = NDArray[Any]
-Pixels = Annotated[int, Field(ge=1, description="size of the map in pixels")]
 
 GRID = 128  # longest side that sums are made on: between its places the field is smooth
 

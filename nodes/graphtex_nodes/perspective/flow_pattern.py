@@ -6,8 +6,8 @@ import numpy as np
 from pydantic import Field
 
 from graphtex import AngleMap, node
+from graphtex_nodes.perspective._sizes import Pixels
 
-Pixels = Annotated[int, Field(ge=1, description="size of the map in pixels")]
 Shape = Literal["constant", "radial", "circular", "wave"]
 
 

@@ -1,14 +1,10 @@
 """A scale map for a picture of another size."""
 
-from typing import Annotated
-
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from graphtex import ScaleMap, node
-
-Pixels = Annotated[int, Field(ge=1, description="size of the result in pixels")]
+from graphtex_nodes.perspective._sizes import Pixels
 
 
 @node

@@ -7,11 +7,12 @@ from pydantic import Field
 
 from graphtex import Image, ScaleMap, node
 from graphtex_nodes.numerics.plane import seen_plane
+from graphtex_nodes.perspective._sizes import MOST
 
 Slant = Annotated[float, Field(ge=0, lt=90, description="angle between the view axis and the plane's normal, degrees")]
 Tilt = Annotated[float, Field(ge=-180, le=180, description="where texels shrink to, degrees clockwise from up")]
 View = Annotated[float, Field(gt=0, lt=180, description="camera's angle of view over the longer side, degrees")]
-Pixels = Annotated[int, Field(ge=0, description="pixels; 0 takes the picture's")]
+Pixels = Annotated[int, Field(ge=0, le=MOST, description="pixels; 0 takes the picture's")]
 
 SMALLEST, LARGEST = 1 / 8, 8.0
 

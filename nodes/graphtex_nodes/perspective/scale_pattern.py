@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Context, Image, ScaleMap, node
+from graphtex_nodes.perspective._sizes import Pixels
 
 Array = NDArray[Any]
-Pixels = Annotated[int, Field(ge=1, description="size of the map in pixels")]
 Low = Annotated[float, Field(ge=1 / 8, le=8, description="smallest scale")]
 High = Annotated[float, Field(ge=1 / 8, le=8, description="largest scale")]
 Spacing = Annotated[
