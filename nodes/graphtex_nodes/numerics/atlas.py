@@ -18,6 +18,8 @@ SHORT = 1.5
 """A scale is short when the output asks for this many times the share that the exemplar has of it ..."""
 FEW = 0.5
 """... or when the exemplar has fewer elements (area over squared scale) of it than this quantile of wanted scales."""
+LARGEST = 1 << 26
+"""Pixels of all copies together: with more a synthesis would need some 20 GB."""
 STEP = 1 / 3
 """Resampled copies differ by factors of 2 ** STEP: windows of any wanted scale are then at most 12 % off."""
 
@@ -99,6 +101,11 @@ def enlarged(exemplars: Sequence[Atlas], stock: Stock, unit: int, kinds: Sequenc
     one those whose direction is wanted; copies without such pixels are left out. Copies lie at multiples of ``unit``
     pixels and at least two units apart, so that they stay apart on levels where a pixel is ``unit`` pixels wide.
     Normals among the ``kinds`` turn with their copy.
+
+    Raises
+    ------
+    ValueError
+        If turned copies would be too many.
     """
     views = (False, True) if stock.mirror else (False,)
     copies = [view(exemplar, kinds, mirrored=mirrored) for mirrored in views for exemplar in exemplars]
@@ -115,7 +122,14 @@ def enlarged(exemplars: Sequence[Atlas], stock: Stock, unit: int, kinds: Sequenc
     if stock.angles is not None and stock.turn_step > 0:
         circle = 360 if stock.arrows else 180
         wanted = _wanted(stock.angles, circle, stock.turn_step)
-        for angle in np.arange(stock.turn_step, circle, stock.turn_step).tolist():
+        angles = np.arange(stock.turn_step, circle, stock.turn_step).tolist()
+        area = len(angles) * len(views) * sum(exemplar.usable.size for exemplar in exemplars)
+        if area > LARGEST:
+            raise ValueError(
+                f"turn_step: {len(angles)} turned copies of exemplars of {area // len(angles):,} pixels are more than "
+                f"the {LARGEST:,} pixels that there may be: expected a larger step or smaller exemplars"
+            )
+        for angle in angles:
             for exemplar, mirrored in product(exemplars, views):
                 copy = view(exemplar, kinds, angle=angle, mirrored=mirrored)
                 assert copy.angle is not None
@@ -193,6 +207,8 @@ def view(
 
 def _stacked(copies: list[Atlas], unit: int) -> Atlas:
     """Copies below each other on one sheet."""
+    if len(copies) == 1:
+        return copies[0]
     tops, height = [], 0
     for copy in copies:
         tops.append(height)

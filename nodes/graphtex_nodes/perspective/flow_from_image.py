@@ -34,7 +34,8 @@ def flow_from_image(
     image
         (h, w, c), any channels.
     window
-        Standard deviation of the Gaussian that averages. 0 suits an exemplar with one direction throughout.
+        Standard deviation of the Gaussian that averages. 0 suits an exemplar with one direction throughout; the size of
+        an element, about 8, one whose elements lie in all directions, such as blades of grass.
 
     Returns
     -------

@@ -1,65 +1,36 @@
 """Texture optimisation that keeps the trend of texel scales (Dong, Zhou & Paul 2008, section 4)."""
 
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from graphtex import QUIET, AngleMap, Axes, Context, Image, Mask, Number, Rng, ScaleMap, SourceMap, Vector, node
-from graphtex_nodes.numerics.materials import MapKind
+from graphtex_nodes.perspective._parameters import (
+    AngleWeight,
+    Arrows,
+    Components,
+    Detail,
+    Evenness,
+    Exponent,
+    Gain,
+    Iterations,
+    Kinds,
+    Largest,
+    Levels,
+    Mirror,
+    Quality,
+    ScaleMode,
+    ScaleWeight,
+    Sides,
+    Size,
+    TurnStep,
+    Variance,
+    Vote,
+    Weights,
+    Windows,
+)
 
-Size = Annotated[
-    int, Field(ge=0, le=16384, description="pixels; 0 follows start or the target scale, else twice the exemplar")
-]
-Sides = Annotated[
-    Literal["none", "both", "x", "y"],
-    Field(description="sides over which the output continues: x the left and right ones, y the upper and lower ones"),
-]
-Levels = Annotated[int, Field(ge=0, le=12, description="levels of the pyramid; 0 chooses them from the exemplar")]
-Windows = Annotated[
-    tuple[Annotated[int, Field(ge=2, le=64)], ...],
-    Field(max_length=4, description="sides of the windows in pixels; none chooses 16 and 8"),
-]
-Iterations = Annotated[int, Field(ge=1, le=50, description="iterations on the finest level; coarser ones have more")]
-ScaleWeight = Annotated[
-    float, Field(ge=0, le=10, description="standard deviation of the scale channel over that of the colours; 0 = plain")
-]
-ScaleMode = Annotated[
-    Literal["fixed", "free"], Field(description="fixed: the output's scale is the target; free: it is synthesised")
-]
-Vote = Annotated[
-    Literal["blend", "discrete", "mean"],
-    Field(description="blend: pieces fade into each other; discrete: pure copies; mean: the last weighted mean"),
-]
-Exponent = Annotated[float, Field(gt=0, le=2, description="power of a window's distance in the energy; 2 = no weights")]
-Gain = Annotated[float, Field(ge=0, le=100, description="strength of histogram matching; 0 = none")]
-Evenness = Annotated[float, Field(ge=0, le=100, description="charge for overused parts of the exemplar; 0 = none")]
-Detail = Annotated[float, Field(ge=0, le=1, description="how much lines and fine detail gain on large areas; 0 = none")]
-Variance = Annotated[float, Field(gt=0, le=1, description="share of variance that principal components keep")]
-Mirror = Annotated[bool, Field(description="whether mirror images of the exemplar (right to left) serve too")]
-Largest = Annotated[
-    float, Field(ge=1, le=4, description="how far copies are enlarged or shrunk where scales are short; 1 = never")
-]
-Quality = Annotated[
-    Literal["default", "fast", "preview"], Field(description="fast: fewer iterations; preview: fewer still")
-]
-Components = Annotated[
-    Literal["apart", "joint"],
-    Field(description="principal components of colours and guides apart, or joint as is printed first"),
-]
-Kinds = Annotated[list[MapKind], Field(max_length=16, description="what the channels are, as for StackMaps")]
-Weights = Annotated[
-    tuple[Annotated[float, Field(ge=0, le=100)], ...],
-    Field(max_length=16, description="how much each map, or without kinds each channel, counts; 0 = is copied only"),
-]
-AngleWeight = Annotated[
-    float, Field(ge=0, le=10, description="how much direction counts, in standard deviations of the colours; 0 = not")
-]
-TurnStep = Annotated[
-    float, Field(ge=0, le=90, description="degrees between turned copies of the exemplar; 0 = no such copies")
-]
-Arrows = Annotated[bool, Field(description="whether opposite directions differ; lines have none")]
 EFFORT = {"default": (1, 2), "fast": (2, 1), "preview": (4, 1)}
 """What iterations are divided by (rounded up), and how many passes a search has."""
 
@@ -181,7 +152,8 @@ def optimize(
         take longer. Target scales at opposite sides should be alike.
     mirror, resample
         A larger stock of windows: the exemplar's mirror image, and copies of it resampled by factors of 2 ** (1/3) up
-        to ``resample``, of which the parts are used whose scale is wanted and that the exemplar has few elements of.
+        to ``resample``, of which the parts are used whose scale is wanted and that the exemplar has few elements of, or
+        none.
         ``source`` tells both; its rows and columns may then lie between pixels. ``resample=1.3`` makes near rows repeat
         visibly less; larger ones bring the foreshortening of other distances. A picture and its mirror image join
         without a seam, so ``mirror`` may leave symmetric places.
@@ -234,7 +206,9 @@ def optimize(
 
     size = _size(start, target_angle if target_scale is None else target_scale, exemplar, height, width)
     weights = request.channel_weights(map_weights, kinds, exemplar.shape[2])
-    turned = target_angle is not None and angle_weight > 0
+    turned = angle_weight > 0 and (target_angle is not None or exemplar_angle is not None)
+    if turned and target_angle is None:
+        raise ValueError("target_angle: expected a map beside exemplar_angle (or angle_weight=0), got none")
     exemplars = request.gathered(
         [exemplar, *(more or [])],
         [exemplar_scale, *(more_scale or [])] if scale_weight > 0 else None,
@@ -264,6 +238,10 @@ def optimize(
         weights=weights,
     )
     fewer, passes = EFFORT[quality]
+    if windows and max(windows) > min(leader.shape[:2]) // 2:
+        ctx.warn(
+            f"windows: {max(windows)} is more than half of an exemplar of shape {leader.shape}: it is made smaller"
+        )
     plan = plans.eased(plans.plan(leader, problem.usable, levels, windows, iterations), fewer)
     settings = Settings(exponent, histogram, evenness, variance, detail, passes, joint=pca == "joint", weights=weights)
     result = synthesise(problem, plan, settings, rng, ctx)

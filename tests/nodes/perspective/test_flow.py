@@ -149,10 +149,36 @@ def test_arrows_tell_up_from_down(ripples):
         assert np.mean(np.isin(angle, list(angles))) > 0.6
 
 
+@pytest.mark.parametrize("shape", [(1, 1, 3), (1, 9, 1), (3, 3, 2), (5, 40, 16)])
+def test_small_exemplars_turn(shape):
+    exemplar = np.random.default_rng(1).random(shape).astype(np.float32)
+    field = flow_pattern(pattern="radial", width=20, height=17)
+    result = optimize(exemplar, target_angle=field, tileable="both", iterations=1, ctx=Context(threads=1))
+    assert result.image.shape == (17, 20, shape[2])
+    assert exemplar.min() - 1e-5 <= result.image.min() <= result.image.max() <= exemplar.max() + 1e-5
+
+
+def test_partly_usable_and_known(ripples):
+    """Turned copies show usable pixels alone, and known ones stay."""
+    usable = np.zeros((128, 128), bool)
+    usable[20:120, 10:110] = True
+    known = np.zeros((48, 64), bool)
+    known[:, :9] = True
+    field = np.full((48, 64), 60, np.float32)
+    start = ripples[:48, :64].copy()
+    ctx = Context(threads=1)
+    result = optimize(ripples, None, None, usable, start, known, target_angle=field, vote="discrete", ctx=ctx)
+    np.testing.assert_array_equal(result.image[known], start[known])
+    row, column = (np.rint(result.source[~known][:, axis]).astype(int) for axis in (1, 2))
+    assert usable[row, column].all()
+
+
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
         ({"exemplar_angle": np.zeros((9, 9))}, "exemplar_angle"),
+        ({"target_angle": np.zeros((9, 9)), "turn_step": 1e-3}, r"turn_step: 179999 turned copies .* more than"),
+        ({"exemplar_angle": np.zeros((128, 128))}, "target_angle: expected a map beside exemplar_angle"),
         ({"target_angle": np.full((9, 9), 400.0)}, r"target_angle: AngleMap lies in \[-360, 360\]"),
         (
             {"target_angle": np.zeros((9, 9)), "more_angle": [np.zeros((9, 9))]},

@@ -123,6 +123,25 @@ def test_tells_of_scales_that_the_exemplar_lacks(target, text):
     assert [bool(re.search(text or "", line)) for line in told] == [True] * (text is not None)
 
 
+def test_exemplar_smaller_than_the_window():
+    told = []
+    image = optimize(NOISE, windows=(64,), iterations=1, ctx=Context(threads=1, on_warning=told.append)).image
+    assert image.shape == (64, 80, 3)
+    assert told == ["windows: 64 is more than half of an exemplar of shape (32, 40, 3): it is made smaller"]
+
+
+def test_scales_that_are_lacking_are_made_by_resampling():
+    """Half of the output asks for 1.5 times the largest scale; with copies up to twice as large all is there."""
+    told = []
+    target = np.concatenate([SCALE[-8:], 1.5 * SCALE[-8:]])
+    for resample in (1.0, 2.0):
+        ctx = Context(threads=1, on_warning=told.append)
+        result = optimize(NOISE, SCALE, target, resample=resample, iterations=1, ctx=ctx)
+    assert len(told) == 1
+    assert re.search(r"50% of the output asks for scales that the exemplar lacks \(it has 0.5 to 2\)", told[0])
+    assert (result.source[-8:, :, 3] > 0).mean() > 0.9
+
+
 def test_constant_scale_warns_and_is_plain():
     told = []
     ones = np.ones((32, 40), np.float32)

@@ -1,0 +1,59 @@
+"""The parameters of Optimize: types, ranges, and what each says in one line."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from graphtex_nodes.numerics.materials import MapKind
+
+Size = Annotated[
+    int, Field(ge=0, le=16384, description="pixels; 0 follows start or the target scale, else twice the exemplar")
+]
+Sides = Annotated[
+    Literal["none", "both", "x", "y"],
+    Field(description="sides over which the output continues: x the left and right ones, y the upper and lower ones"),
+]
+Levels = Annotated[int, Field(ge=0, le=12, description="levels of the pyramid; 0 chooses them from the exemplar")]
+Windows = Annotated[
+    tuple[Annotated[int, Field(ge=2, le=64)], ...],
+    Field(max_length=4, description="sides of the windows in pixels; none chooses 16 and 8"),
+]
+Iterations = Annotated[int, Field(ge=1, le=50, description="iterations on the finest level; coarser ones have more")]
+ScaleWeight = Annotated[
+    float, Field(ge=0, le=10, description="standard deviation of the scale channel over that of the colours; 0 = plain")
+]
+ScaleMode = Annotated[
+    Literal["fixed", "free"], Field(description="fixed: the output's scale is the target; free: it is synthesised")
+]
+Vote = Annotated[
+    Literal["blend", "discrete", "mean"],
+    Field(description="blend: pieces fade into each other; discrete: pure copies; mean: the last weighted mean"),
+]
+Exponent = Annotated[float, Field(gt=0, le=2, description="power of a window's distance in the energy; 2 = no weights")]
+Gain = Annotated[float, Field(ge=0, le=100, description="strength of histogram matching; 0 = none")]
+Evenness = Annotated[float, Field(ge=0, le=100, description="charge for overused parts of the exemplar; 0 = none")]
+Detail = Annotated[float, Field(ge=0, le=1, description="how much lines and fine detail gain on large areas; 0 = none")]
+Variance = Annotated[float, Field(gt=0, le=1, description="share of variance that principal components keep")]
+Mirror = Annotated[bool, Field(description="whether mirror images of the exemplar (right to left) serve too")]
+Largest = Annotated[
+    float, Field(ge=1, le=4, description="how far copies are enlarged or shrunk where scales are short; 1 = never")
+]
+Quality = Annotated[
+    Literal["default", "fast", "preview"], Field(description="fast: fewer iterations; preview: fewer still")
+]
+Components = Annotated[
+    Literal["apart", "joint"],
+    Field(description="principal components of colours and guides apart, or joint as is printed first"),
+]
+Kinds = Annotated[list[MapKind], Field(max_length=16, description="what the channels are, as for StackMaps")]
+Weights = Annotated[
+    tuple[Annotated[float, Field(ge=0, le=100)], ...],
+    Field(max_length=16, description="how much each map, or without kinds each channel, counts; 0 = is copied only"),
+]
+AngleWeight = Annotated[
+    float, Field(ge=0, le=10, description="how much direction counts, in standard deviations of the colours; 0 = not")
+]
+TurnStep = Annotated[
+    float, Field(ge=0, le=90, description="degrees between turned copies of the exemplar; 0 = no such copies")
+]
+Arrows = Annotated[bool, Field(description="whether opposite directions differ; lines have none")]
