@@ -33,6 +33,7 @@ ELEMENTS: Mapping[str, Callable[..., Any]] = {
 GENERATED: Mapping[str, Callable[..., Any]] = {
     "pebbles": partial(pebbles, slant=55.0, rng=1),
     "pebbles-flat": partial(pebbles, rng=2),
+    "pebbles-far": partial(pebbles, size=12.0, rng=12),
     "paving": partial(bricks, kind="paving", size=56.0, slant=52.0, rng=3),
     "flowers": partial(flowers, slant=50.0, rng=4),
     "flowers-flat": partial(flowers, rng=5),
@@ -75,7 +76,8 @@ def sample(
     """A picture that ships with the package: ``sample:pebbles`` where a graph file wants a path.
 
     ``pebbles``, ``paving``, ``flowers`` and ``sand`` are planes in perspective; ``pebbles-flat``, ``flowers-flat``,
-    ``sand-flat``, ``bricks``, ``cloth`` and ``twill`` are face on, ``bricks-wall`` from the side. They are drawn by
+    ``sand-flat``, ``bricks``, ``cloth`` and ``twill`` are face on, ``bricks-wall`` from the side, ``pebbles-far`` from twice
+    the distance. They are drawn by
     the nodes of their names with a fixed seed, 256 x 256, in colour. ``berries``, ``blossoms``, ``leaves``, ``oranges``
     and ``tiles`` are separate elements that `Textons` draws, 192 x 192, in colour. ``brick``, ``grass``
     and ``gravel`` are grey photographs of 512 x 512 pixels from scikit-image. ``bricks-height`` and ``bricks-normal``
