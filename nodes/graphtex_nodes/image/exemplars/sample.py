@@ -76,12 +76,11 @@ def sample(
     """A picture that ships with the package: ``sample:pebbles`` where a graph file wants a path.
 
     ``pebbles``, ``paving``, ``flowers`` and ``sand`` are planes in perspective; ``pebbles-flat``, ``flowers-flat``,
-    ``sand-flat``, ``bricks``, ``cloth`` and ``twill`` are face on, ``bricks-wall`` from the side, ``pebbles-far`` from twice
-    the distance. They are drawn by
-    the nodes of their names with a fixed seed, 256 x 256, in colour. ``berries``, ``blossoms``, ``leaves``, ``oranges``
-    and ``tiles`` are separate elements that `Textons` draws, 192 x 192, in colour. ``brick``, ``grass``
-    and ``gravel`` are grey photographs of 512 x 512 pixels from scikit-image. ``bricks-height`` and ``bricks-normal``
-    are further maps of ``bricks``.
+    ``sand-flat``, ``bricks``, ``cloth`` and ``twill`` are face on, ``bricks-wall`` from the side, ``pebbles-far`` from
+    twice the distance. They are drawn by the nodes of their names with a fixed seed, 256 x 256, in colour. ``berries``,
+    ``blossoms``, ``leaves``, ``oranges`` and ``tiles`` are separate elements that `Textons` draws, 192 x 192, in
+    colour. ``brick``, ``grass`` and ``gravel`` are grey photographs of 512 x 512 pixels from scikit-image.
+    ``bricks-height`` and ``bricks-normal`` are further maps of ``bricks``.
 
     Returns
     -------
