@@ -58,6 +58,7 @@ from graphtex_nodes.splicing.extend_texture import extend_texture
 from graphtex_nodes.splicing.factor_warp import factor_warp
 from graphtex_nodes.splicing.find_textons import find_textons
 from graphtex_nodes.splicing.hungarian import hungarian
+from graphtex_nodes.splicing.judge_splice import judge_splice
 from graphtex_nodes.splicing.neighbour_sets import neighbour_sets
 from graphtex_nodes.splicing.rasterize import rasterize
 from graphtex_nodes.splicing.refine import refine
@@ -93,6 +94,7 @@ __all__ = [
     "image_from_labels",
     "image_from_mask",
     "image_from_source",
+    "judge_splice",
     "load_angles",
     "load_displacement",
     "load_elements",

@@ -80,14 +80,20 @@ def solve(factor: Factor, right_side: Array) -> Array:
     return result
 
 
-def _similarities(elements: Extension, moves: Moves) -> Array:
-    """Displacement (m, 2) of each pixel that belongs to a texton, in order."""
-    held = held_labels(elements)
-    rows, columns = np.nonzero(held >= 0)
-    index = held[rows, columns]
-    offset = np.stack([columns, rows], axis=1) - moves.points[index]
+def moved(labels: Array, moves: Moves) -> tuple[Array, Array]:
+    """Pixels (m, 2) that belong to a texton, x and y in order, and the places that its similarity takes them to."""
+    rows, columns = np.nonzero(labels >= 0)
+    index = labels[rows, columns]
+    pixels = np.stack([columns, rows], axis=1)
+    offset = pixels - moves.points[index]
     turn = np.radians(moves.angles[index])
     cos, sin = moves.scales[index] * np.cos(turn), moves.scales[index] * np.sin(turn)
     turned = np.stack([cos * offset[:, 0] - sin * offset[:, 1], sin * offset[:, 0] + cos * offset[:, 1]], axis=1)
-    result: Array = moves.targets[index] + turned - np.stack([columns, rows], axis=1)
-    return result
+    return pixels, moves.targets[index] + turned
+
+
+def _similarities(elements: Extension, moves: Moves) -> Array:
+    """Displacement (m, 2) of each pixel that is held, in order."""
+    pixels, places = moved(held_labels(elements), moves)
+    displacement: Array = places - pixels
+    return displacement

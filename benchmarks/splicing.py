@@ -1,0 +1,12 @@
+"""Texture splicing: all its figures."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks import splicing_warp
+from benchmarks.figures import Figure
+
+
+def figures(pictures: Path | None) -> Iterator[Figure]:
+    """Warp and speed."""
+    yield from splicing_warp.figures(pictures)
