@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.guidance import BINS
 from graphtex_nodes.numerics.materials import MapKind, turn
-from graphtex_nodes.numerics.sources import ANGLE, COLUMN, INDEX, LOG, MIRRORED, ROW, continued, shown
+from graphtex_nodes.numerics.sources import ANGLE, COLUMN, INDEX, LOG, MIRRORED, ROW, Look, continued
 
 Array = NDArray[np.float32]
 Flags = NDArray[np.bool_]
@@ -108,14 +108,15 @@ def enlarged(exemplars: Sequence[Atlas], stock: Stock, unit: int, kinds: Sequenc
         If turned copies would be too many.
     """
     views = (False, True) if stock.mirror else (False,)
-    copies = [view(exemplar, kinds, mirrored=mirrored) for mirrored in views for exemplar in exemplars]
+    looks = [(exemplar, Look(exemplar.picture, kinds)) for exemplar in exemplars]
+    copies = [view(*look, mirrored=mirrored) for mirrored in views for look in looks]
     have = [exemplar.scale[exemplar.usable] for exemplar in exemplars if exemplar.scale is not None]
     if stock.scales is not None and have and stock.largest > 1:
         edges, short = _short(np.concatenate(have), stock.scales)
         steps = int(np.log2(stock.largest) / STEP + 1e-9)
         for number in [*range(-steps, 0), *range(1, steps + 1)]:
-            for exemplar, mirrored in product(exemplars, views):
-                copy = view(exemplar, kinds, log=number * STEP, mirrored=mirrored)
+            for look, mirrored in product(looks, views):
+                copy = view(*look, log=number * STEP, mirrored=mirrored)
                 assert copy.scale is not None
                 place = np.clip(np.searchsorted(edges, copy.scale, "right") - 1, 0, BINS - 1)
                 copies += _limited(copy, short[place] & (copy.scale >= edges[0]) & (copy.scale <= edges[-1]))
@@ -130,8 +131,8 @@ def enlarged(exemplars: Sequence[Atlas], stock: Stock, unit: int, kinds: Sequenc
                 f"the {LARGEST:,} pixels that there may be: expected a larger step or smaller exemplars"
             )
         for angle in angles:
-            for exemplar, mirrored in product(exemplars, views):
-                copy = view(exemplar, kinds, angle=angle, mirrored=mirrored)
+            for look, mirrored in product(looks, views):
+                copy = view(*look, angle=angle, mirrored=mirrored)
                 assert copy.angle is not None
                 copies += _limited(copy, wanted[np.rint(copy.angle).astype(np.intp) % circle])
     return _stacked(copies, unit)
@@ -170,9 +171,7 @@ def _short(have: Array, want: Array) -> tuple[NDArray[np.float64], Flags]:
     return edges, short
 
 
-def view(
-    exemplar: Atlas, kinds: Sequence[MapKind], *, log: float = 0.0, angle: float = 0.0, mirrored: bool = False
-) -> Atlas:
+def view(exemplar: Atlas, look: Look, *, log: float = 0.0, angle: float = 0.0, mirrored: bool = False) -> Atlas:
     """An exemplar as it is, mirrored, then turned clockwise (degrees), then shown 2 ** log times as large."""
     if log == 0 and angle == 0 and not mirrored:
         return exemplar
@@ -194,7 +193,7 @@ def view(
         origin[..., ROW + axis] = np.clip(place, 0, size - 1)
     points = origin[inside]
     picture = np.zeros((*sides, exemplar.picture.shape[2]), np.float32)
-    picture[inside] = shown(exemplar.picture, points, kinds)
+    picture[inside] = look.at(points)
     whole = map_coordinates(exemplar.usable.astype(np.float32), places, order=1, mode="nearest") > 0.999
     scale = directions = None
     if exemplar.scale is not None:

@@ -41,42 +41,62 @@ def continued(source: Array, down: Any, right: Any) -> NDArray[np.float64]:
     return np.stack([rows, columns], axis=-1)
 
 
-def shown(exemplar: Array, source: Array, kinds: Sequence[MapKind] = ()) -> Array:
-    """What pixels of a source map (n, 6) show of an exemplar (h, w, c): float32 (n, c).
+class Look:
+    """What source maps show of an exemplar (h, w, c), with the ``kinds`` of its channels."""
 
-    Whole rows and columns at the exemplar's own size or larger give its pixels; others cubic splines, of the exemplar
-    behind a Gaussian where it is shown smaller. Points outside show the border. Normals among the ``kinds`` of
-    channels are turned with the picture and made unit vectors again.
-    """
-    rows, columns = (
-        np.clip(source[:, axis], 0, exemplar.shape[axis - ROW] - 1) for axis in (ROW, COLUMN)
-    )  # fmt: skip
-    whole = (rows == np.rint(rows)) & (columns == np.rint(columns)) & (source[:, LOG] >= 0)
-    result = exemplar[np.rint(rows).astype(np.intp), np.rint(columns).astype(np.intp)]
-    for log in np.unique(source[~whole, LOG]):
-        chosen = ~whole & (source[:, LOG] == log)
-        result[chosen] = _interpolated(exemplar, rows[chosen], columns[chosen], float(log))
-    if kinds:
-        views = source[:, [ANGLE, MIRRORED]]
-        for angle, mirrored in np.unique(views, axis=0).tolist():
-            chosen = (views[:, 0] == angle) & (views[:, 1] == mirrored)
-            part = result[chosen]
-            turn_normals(part, kinds, angle, mirrored != 0)
-            result[chosen] = renormalised(part, kinds)
-    return result
+    def __init__(self, exemplar: Array, kinds: Sequence[MapKind] = ()) -> None:
+        self.exemplar = exemplar
+        self._kinds = kinds
+        self._splines: dict[float, list[Array]] = {}
+
+    def at(self, source: NDArray[Any]) -> Array:
+        """What pixels of a source map (n, 6) show: float32 (n, c).
+
+        Whole rows and columns at the exemplar's own size or larger give its pixels; others cubic splines, of the
+        exemplar behind a Gaussian where it is shown smaller. Points outside show the border. Normals are turned with
+        the picture and made unit vectors again.
+        """
+        last = np.array(self.exemplar.shape[:2]) - 1
+        rows, columns = np.clip(source[:, ROW : COLUMN + 1].astype(np.float64), 0, last).T
+        whole = (rows == np.rint(rows)) & (columns == np.rint(columns)) & (source[:, LOG] >= 0)
+        result: Array = self.exemplar[np.rint(rows).astype(np.intp), np.rint(columns).astype(np.intp)]
+        for log in np.unique(source[~whole, LOG]):
+            chosen = ~whole & (source[:, LOG] == log)
+            result[chosen] = self._between(rows[chosen], columns[chosen], float(log))
+        if self._kinds:
+            views = source[:, [ANGLE, MIRRORED]]
+            for angle, mirrored in np.unique(views, axis=0).tolist():
+                chosen = (views[:, 0] == angle) & (views[:, 1] == mirrored)
+                part = result[chosen]
+                turn_normals(part, self._kinds, angle, mirrored != 0)
+                result[chosen] = renormalised(part, self._kinds)
+        return result
+
+    def _between(self, rows: NDArray[Any], columns: NDArray[Any], log: float) -> Array:
+        """Values (n, c) between pixels, shown 2 ** log times as large."""
+        from scipy.ndimage import map_coordinates
+
+        blur = 0.5 * float(np.sqrt(max(0.0, 4.0**-log - 1)))
+        if blur not in self._splines:
+            self._splines[blur] = [_spline(channel, blur) for channel in np.moveaxis(self.exemplar, -1, 0)]
+        values: list[Any] = []
+        for channel, spline in zip(np.moveaxis(self.exemplar, -1, 0), self._splines[blur], strict=True):
+            found = map_coordinates(spline, [rows + MARGIN, columns + MARGIN], order=3, mode="nearest", prefilter=False)
+            values.append(np.clip(found, channel.min(), channel.max()))
+        return np.stack(values, axis=-1).astype(np.float32)
 
 
-def _interpolated(exemplar: Array, rows: Array, columns: Array, log: float) -> Array:
-    """Values (n, c) between pixels, shown 2 ** log times as large."""
-    from scipy.ndimage import gaussian_filter, map_coordinates
+MARGIN = 12
+"""Repeated border pixels around a spline's: what lies beyond has no influence inside."""
 
-    blur = 0.5 * np.sqrt(max(0.0, 4.0**-log - 1))
-    values: list[Any] = []
-    for channel in np.moveaxis(exemplar, -1, 0):
-        smooth = gaussian_filter(channel, blur, mode="nearest") if blur > 0 else channel
-        found = map_coordinates(smooth, [rows, columns], order=3, mode="nearest")
-        values.append(np.clip(found, channel.min(), channel.max()))
-    return np.stack(values, axis=-1).astype(np.float32)
+
+def _spline(channel: Array, blur: float) -> Array:
+    """Coefficients of the cubic spline through a channel (h, w) behind a Gaussian, with a margin."""
+    from scipy.ndimage import gaussian_filter, spline_filter
+
+    smooth = gaussian_filter(channel, blur, mode="nearest") if blur > 0 else channel
+    coefficients: Array = spline_filter(np.pad(smooth, MARGIN, mode="edge"), 3, np.float32, mode="nearest")
+    return coefficients
 
 
 def coherence(source: NDArray[Any]) -> float:

@@ -1,6 +1,6 @@
 """Replays a synthesis: its source map applied to other maps of the same exemplars."""
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +9,13 @@ from pydantic import Field
 from graphtex import QUIET, Axes, Context, Image, Mask, SourceMap, node
 from graphtex_nodes.numerics.materials import MapKind
 
+if TYPE_CHECKING:
+    from graphtex_nodes.numerics.pieces import Around
+    from graphtex_nodes.numerics.sources import Look
+
 Array = NDArray[Any]
 
-BAND = 1 << 21  # pixels at a time
-RADIUS = 2  # output pixels over which Optimize lets pieces fade into each other
+BAND = 1 << 18  # pixels at a time
 
 
 @node
@@ -71,30 +74,32 @@ def replay(
     >>> replay(source, [np.float32([[[0], [0.5], [1]]])])[..., 0]
     array([[1., 0.]], dtype=float32)
     """
+    from graphtex_nodes.numerics import pieces
     from graphtex_nodes.numerics.materials import renormalised, require_channels
+    from graphtex_nodes.numerics.sources import Look
 
     _require_maps(source, maps, factor)
     channels = maps[0].shape[2]
     if kinds:
         require_channels(kinds, channels)
+    looks = [Look(picture, kinds) for picture in maps]
     height, width = (max(1, round(side * factor)) for side in source.shape[:2])
     result = np.empty((height, width, channels), np.float32)
     columns, right = _pixels(0, width, source.shape[1], factor)
     free = np.ones(source.shape[:2], bool) if known is None else ~known
-    mixed = _near_seams(source, free) if vote == "blend" else np.zeros(source.shape[:2], bool)
+    mixed = pieces.near_seams(source, free) if vote == "blend" else np.zeros(source.shape[:2], bool)
     rows_at_once = max(1, BAND // width)
     for first in range(0, height, rows_at_once):
         rows, down = _pixels(first, min(height, first + rows_at_once), source.shape[0], factor)
-        points = source[np.ix_(rows, columns)]
         band = result[first : first + len(rows)]
-        offsets = np.broadcast_arrays(down[:, None], right)
-        band[...] = _look(maps, points.reshape(-1, 6), [part.ravel() for part in offsets], factor, kinds).reshape(
-            band.shape
-        )
+        offsets = [part.ravel() for part in np.broadcast_arrays(down[:, None], right)]
+        copied = _look(looks, source[np.ix_(rows, columns)].reshape(-1, 6), offsets, factor)
+        band[...] = copied.reshape(band.shape)
         y, x = np.nonzero(mixed[np.ix_(rows, columns)])
         if len(y):
-            values = _mixture(source, free, maps, (rows[y], columns[x]), (down[y], right[x]), factor, kinds)
-            band[y, x] = renormalised(values, kinds)
+            place, parent = np.unique(rows[y] * source.shape[1] + columns[x], return_inverse=True)
+            around = pieces.around(source, free, *np.divmod(place, source.shape[1]))
+            band[y, x] = renormalised(_mixture(looks, around, parent, [down[y], right[x]], factor), kinds)
         ctx.progress(min(1.0, (first + len(rows)) / height), "copying")
     return result
 
@@ -132,9 +137,9 @@ def _pixels(first: int, stop: int, count: int, factor: float) -> tuple[Array, Ar
     return nearest, place - nearest
 
 
-def _look(maps: list[Array], points: Array, offset: list[Array], factor: float, kinds: list[MapKind]) -> Array:
+def _look(looks: list["Look"], points: Array, offset: list[Array], factor: float) -> Array:
     """Values (n, c) at an offset (down, right) in output pixels from points (n, 6) of a source map."""
-    from graphtex_nodes.numerics.sources import continued, shown
+    from graphtex_nodes.numerics.sources import continued
 
     places = continued(points, *offset)
     points = points.astype(np.float64)
@@ -143,64 +148,41 @@ def _look(maps: list[Array], points: Array, offset: list[Array], factor: float, 
         whole = np.rint(places)
         places = np.where(np.abs(places - whole) < 1e-6, whole, places)
     points[:, 1:3] = places
-    result = np.empty((len(points), maps[0].shape[2]), np.float32)
-    for number, picture in enumerate(maps):
+    result = np.empty((len(points), looks[0].exemplar.shape[2]), np.float32)
+    for number, look in enumerate(looks):
         own = points[:, 0] == number
         if own.any():
-            result[own] = shown(picture, points[own], kinds)
+            result[own] = look.at(points[own])
     return result
 
 
-def _around() -> list[tuple[int, int]]:
-    """Offsets of the pixels that fade into one."""
-    reach = range(-RADIUS, RADIUS + 1)
-    return [(down, right) for down in reach for right in reach]
+def _mixture(looks: list["Look"], around: "Around", parent: Array, offset: list[Array], factor: float) -> Array:
+    """Weighted mean (n, c) of what the pieces around show, each continued up to the pixels.
 
-
-def _near_seams(source: Array, free: Array) -> Array:
-    """Which pixels (h, w) lie near others that continue another piece."""
+    Pixels lie at an ``offset`` (down, right) from pixels of the source map, whose numbers in ``around`` are their
+    ``parent``.
+    """
+    from graphtex_nodes.numerics.pieces import OFFSETS
+    from graphtex_nodes.numerics.seams import RADIUS
     from graphtex_nodes.numerics.sources import continued
 
-    height, width = source.shape[:2]
-    mixed = np.zeros((height, width), bool)
-    for down, right in _around():
-        here = (
-            slice(max(0, -down), height - max(0, down)),
-            slice(max(0, -right), width - max(0, right)),
-        )
-        there = slice(max(0, down), height + min(0, down)), slice(max(0, right), width + min(0, right))
-        if here[0].start >= here[0].stop or here[1].start >= here[1].stop:
-            continue
-        one, other = source[here], source[there]
-        same = (np.abs(continued(other, -down, -right) - one[..., 1:3]) < 0.01).all(axis=2)
-        differ = ~same | (one[..., [0, 3, 4, 5]] != other[..., [0, 3, 4, 5]]).any(axis=2)
-        mixed[here] |= differ & free[there]
-    return mixed & free
-
-
-def _mixture(
-    source: Array, free: Array, maps: list[Array], at: tuple[Array, Array], offset: tuple[Array, Array],
-    factor: float, kinds: list[MapKind],
-) -> Array:  # fmt: skip
-    """Weighted mean (n, c) of what the pieces around show, each continued up to the pixels."""
-    from graphtex_nodes.numerics.sources import continued
-
-    shapes = np.array([[side / factor for side in picture.shape[:2]] for picture in maps])
-    total = np.zeros((len(at[0]), maps[0].shape[2]))
-    weights = np.zeros((len(at[0]), 1))
-    for down, right in _around():
-        y, x = at[0] + down, at[1] + right
-        inside = (y >= 0) & (y < source.shape[0]) & (x >= 0) & (x < source.shape[1])
-        inside[inside] = free[y[inside], x[inside]]
-        points = source[y[inside], x[inside]]
-        apart = [offset[0][inside] - down, offset[1][inside] - right]
-        places = continued(points, *apart)
-        sides = shapes[points[:, 0].astype(np.intp)]
-        within = ((places > -0.5) & (places < sides - 0.5)).all(axis=1) | (down == right == 0)
-        inside[inside] = within
-        weight = np.exp(-2 * (apart[0][within] ** 2 + apart[1][within] ** 2) / RADIUS**2)[:, None]
-        values = _look(maps, points[within], [part[within] for part in apart], factor, kinds)
-        total[inside] += weight * values
-        weights[inside] += weight
-    result: Array = (total / weights).astype(np.float32)
-    return result
+    apart = [part[:, None] - OFFSETS[:, axis] for axis, part in enumerate(offset)]
+    weights = np.exp(-2 * (apart[0] ** 2 + apart[1] ** 2) / RADIUS**2)
+    shapes = np.array([look.exemplar.shape[:2] for look in looks]) / factor
+    total = np.zeros((len(parent), looks[0].exemplar.shape[2]))
+    sums = np.zeros((len(parent), 1))
+    for number in range(len(OFFSETS)):
+        chosen = np.flatnonzero(around.first[parent, number] == number)
+        points = around.points[parent[chosen], number]
+        inside = np.ones(len(chosen), bool)
+        if number > 0:  # a pixel's own piece shows its border if need be
+            places = continued(points, *(part[chosen] for part in offset))
+            inside = ((places > -0.5) & (places < shapes[points[:, 0].astype(np.intp)] - 0.5)).all(axis=1)
+        chosen, points = chosen[inside], points[inside]
+        if len(chosen):
+            alike = around.first[parent[chosen]] == number
+            weight = (weights[chosen] * alike).sum(axis=1, keepdims=True)
+            total[chosen] += weight * _look(looks, points, [part[chosen] for part in offset], factor)
+            sums[chosen] += weight
+    mean: Array = (total / sums).astype(np.float32)
+    return mean

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.sources import coherence, continued, coverage, shown, source_map
+from graphtex_nodes.numerics.sources import Look, coherence, continued, coverage, source_map
 
 RAMP = np.stack(np.mgrid[:9, :7], axis=-1).astype(np.float32)  # channels tell row and column
 
@@ -46,16 +46,16 @@ def test_what_lies_beside_a_point_by_hand(view, expected):
 
 def test_whole_places_show_pixels():
     points = np.concatenate([point(2, 3), point(8, 6, log=0.5), point(0, 0, angle=30, mirrored=1)])
-    np.testing.assert_array_equal(shown(RAMP, points), [[2, 3], [8, 6], [0, 0]])
+    np.testing.assert_array_equal(Look(RAMP).at(points), [[2, 3], [8, 6], [0, 0]])
 
 
 def test_between_pixels_a_ramp_is_a_ramp():
     points = np.concatenate([point(4.25, 3.5), point(4.5, 2.75, log=-1)])
-    np.testing.assert_allclose(shown(RAMP, points), [[4.25, 3.5], [4.5, 2.75]], atol=0.02)
+    np.testing.assert_allclose(Look(RAMP).at(points), [[4.25, 3.5], [4.5, 2.75]], atol=0.02)
 
 
 def test_points_outside_show_the_border():
-    np.testing.assert_array_equal(shown(RAMP, point(-0.4, 7)), [[0, 6]])
+    np.testing.assert_array_equal(Look(RAMP).at(point(-0.4, 7)), [[0, 6]])
 
 
 @pytest.mark.parametrize(
@@ -71,6 +71,6 @@ def test_points_outside_show_the_border():
 def test_normals_turn_with_their_picture(kind, view, expected):
     """A normal that leans to the right, (0.6, 0, 0.8); the scalar before it stays."""
     stack = np.full((3, 3, 4), np.float32([0.3, 0.8, 0.5, 0.9]))
-    scalar, *normal = shown(stack, point(1, 1, **view), ["scalar", kind])[0]
+    scalar, *normal = Look(stack, ["scalar", kind]).at(point(1, 1, **view))[0]
     assert scalar == np.float32(0.3)
     np.testing.assert_allclose(np.array(normal) * 2 - 1, [*expected, 0.8], atol=1e-6)

@@ -1,0 +1,78 @@
+"""Pieces of a synthesis that meet near a pixel, told from its source map."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex_nodes.numerics.seams import RADIUS
+from graphtex_nodes.numerics.sources import ANGLE, COLUMN, INDEX, LOG, MIRRORED, ROW, continued
+
+Array = NDArray[Any]
+Flags = NDArray[np.bool_]
+
+REACH = range(-RADIUS, RADIUS + 1)
+OFFSETS = np.array(sorted(((y, x) for y in REACH for x in REACH), key=lambda place: abs(place[0]) + abs(place[1])))
+"""Rows and columns (n, 2) from a pixel to those whose pieces fade into it, its own place first."""
+VIEW = [INDEX, LOG, ANGLE, MIRRORED]
+SAME = 0.01
+"""Pixels of an exemplar within which two continuations of a piece agree: rounding makes them differ."""
+
+
+@dataclass(frozen=True)
+class Around:
+    """What is around some pixels.
+
+    Attributes
+    ----------
+    points
+        Points of a source map (k, n, 6): what each of the pixels around shows where it is continued up to the pixel.
+    first
+        Number (k, n) of the first of those around that shows the same, -1 where there is none to show.
+    """
+
+    points: Array
+    first: NDArray[np.int8]
+
+
+def around(source: Array, free: Flags, rows: Array, columns: Array) -> Around:
+    """What is around pixels of a source map (h, w, 6) at given rows and columns (k,); only ``free`` pixels show."""
+    count = len(OFFSETS)
+    points = np.zeros((len(rows), count, 6))
+    first = np.full((len(rows), count), -1, np.int8)
+    for number, (down, right) in enumerate(OFFSETS):
+        y, x = rows + down, columns + right
+        inside = (y >= 0) & (y < source.shape[0]) & (x >= 0) & (x < source.shape[1])
+        inside[inside] = free[y[inside], x[inside]]
+        found = source[y[inside], x[inside]]
+        points[inside, number] = found
+        points[inside, number, ROW : COLUMN + 1] = continued(found, -down, -right)
+        for other in range(number):
+            rest = np.flatnonzero(inside & (first[:, number] < 0) & (first[:, other] == other))
+            alike = _alike(points[rest, number], points[rest, other])
+            first[rest[alike], number] = other
+        first[inside & (first[:, number] < 0), number] = number
+    return Around(points, first)
+
+
+def near_seams(source: Array, free: Flags) -> Flags:
+    """Which ``free`` pixels (h, w) of a source map lie near others that show another piece."""
+    height, width = source.shape[:2]
+    mixed = np.zeros((height, width), bool)
+    for down, right in OFFSETS[1:]:
+        if abs(down) >= height or abs(right) >= width:
+            continue
+        here = slice(max(0, -down), height - max(0, down)), slice(max(0, -right), width - max(0, right))
+        there = slice(max(0, down), height + min(0, down)), slice(max(0, right), width + min(0, right))
+        other = source[there].astype(np.float64)
+        other[..., ROW : COLUMN + 1] = continued(source[there], -down, -right)
+        mixed[here] |= ~_alike(other, source[here]) & free[there]
+    return mixed & free
+
+
+def _alike(one: Array, other: Array) -> Flags:
+    """Whether points of source maps (..., 6) show the same."""
+    near = (np.abs(one[..., ROW : COLUMN + 1] - other[..., ROW : COLUMN + 1]) < SAME).all(axis=-1)
+    alike: Flags = near & (one[..., VIEW] == other[..., VIEW]).all(axis=-1)
+    return alike
