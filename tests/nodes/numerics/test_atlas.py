@@ -2,7 +2,10 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from graphtex_nodes.numerics.atlas import Stock, enlarged, original
+from graphtex_nodes.numerics.atlas import Stock, enlarged, original, view
+from graphtex_nodes.numerics.frames import whole_windows
+from graphtex_nodes.numerics.orientation import structure
+from graphtex_nodes.numerics.sources import Look
 
 RNG = np.random.default_rng(7)
 ROW, COLUMN = np.mgrid[:40, :50]
@@ -59,6 +62,31 @@ def test_the_exemplar_itself_comes_first_and_copies_keep_apart(mirror):
     ]
     assert len(gaps) >= 3
     assert min(gaps) > 16
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("angle", [0.0, 40.0, 90.0, 135.0])
+def test_directions_turn_with_their_copy(angle, mirrored):
+    """Second method: the structure tensor of the copy, of lines that run at 25 degrees."""
+    lines = np.sin((ROW * np.cos(np.radians(25)) - COLUMN * np.sin(np.radians(25))) * 0.8)[..., None]
+    exemplar = original(lines.astype(np.float32), None, None, np.full(ROW.shape, 25, np.float32))
+    copy = view(exemplar, Look(exemplar.picture), angle=angle, mirrored=mirrored)
+    found = structure(copy.picture, 1.0, 4.0)[0]
+    inner = whole_windows(copy.usable, 21)
+    apart = np.abs((found - copy.angle + 90) % 180 - 90)[10:-10, 10:-10]
+    assert inner.any()
+    assert apart[inner].max() < 3
+
+
+def test_turned_copies_show_what_their_origin_tells():
+    """Stacked copies for all directions: the exemplar interpolated at the origins, and only wanted directions."""
+    flat = original(PICTURE, None, None, np.zeros(ROW.shape, np.float32))
+    atlas = enlarged([flat], Stock(angles=np.array([[10.0, 100.0]], np.float32), turn_step=15.0), unit=4)
+    origin = atlas.origin[atlas.usable]
+    assert set(np.unique(origin[:, 4])) == {0, 15, 90, 105}
+    for channel in range(3):
+        found = map_coordinates(PICTURE[..., channel], [origin[:, 1], origin[:, 2]], order=1, mode="nearest")
+        np.testing.assert_allclose(atlas.picture[atlas.usable][:, channel], found, atol=0.03)
 
 
 def test_mirror_alone():
