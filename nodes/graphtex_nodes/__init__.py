@@ -64,6 +64,7 @@ from graphtex_nodes.splicing.rasterize import rasterize
 from graphtex_nodes.splicing.refine import refine
 from graphtex_nodes.splicing.rigid_warp import rigid_warp
 from graphtex_nodes.splicing.self_similarity import self_similarity
+from graphtex_nodes.splicing.separate_foreground import separate_foreground
 from graphtex_nodes.splicing.split_texture import split_texture
 from graphtex_nodes.splicing.vary_elements import vary_elements
 
@@ -127,6 +128,7 @@ __all__ = [
     "scale_pattern",
     "select_map",
     "self_similarity",
+    "separate_foreground",
     "split_maps",
     "split_texture",
     "stack_maps",

@@ -1,5 +1,6 @@
 """Choice of the elements that explain a texture best, where nobody has pointed at one."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,9 @@ GAIN = 1.1  # by which a second kind must explain more
 def choose(image: Array, turn: float, growth: float, radius: float, ctx: Context) -> tuple[list[Example], float]:
     """Examples, one for each kind of element (at most two), and how sure they are, 0 to 1; none without elements."""
 
-    def search(guesses: list[Proposal]) -> tuple[float, Array]:
+    def search(guesses: list[Proposal], trial: bool) -> tuple[float, Array]:
         examples = [guess.example for guess in guesses]
-        found = detect(image, examples, turn=turn, growth=growth, radius=radius, floor=None, ctx=ctx, trial=True)
+        found = detect(image, examples, turn=turn, growth=growth, radius=radius, floor=None, ctx=ctx, trial=trial)
         merit = min(guess.merit for guess in guesses)
         return merit * explained(found, examples, image.shape), found.poses.points
 
@@ -30,14 +31,21 @@ def choose(image: Array, turn: float, growth: float, radius: float, ctx: Context
     best: list[Proposal] = []
     score, points = 0.0, np.empty((0, 2))
     for guess in guesses:
-        found, places = search([guess])
+        found, places = search([guess], True)
         if found > score:
             best, score, points = [guess], found, places
+    if not best:
+        return [], 0.0
+    first = best[0]
+    score, points = search(best, False)
     for guess in guesses:
-        if best and guess is not best[0] and _others(guess, points) >= OTHER:
-            found, _ = search([best[0], guess])
+        left = _left(guess, points)
+        if guess is not first and len(left) >= OTHER * len(guess.likes):
+            x, y = left[len(left) // 2]
+            moved = replace(guess, example=guess.example.model_copy(update={"x": float(x), "y": float(y)}))
+            found, _ = search([first, moved], False)
             if found > GAIN * score:
-                best, score = [best[0], guess], found
+                best, score = [first, moved], found
     return [guess.example for guess in best], score
 
 
@@ -62,9 +70,10 @@ def regularity(points: Array) -> float:
     return float(1 / (1 + nearest.std() / max(nearest.mean(), 1e-9)))
 
 
-def _others(guess: Proposal, points: Array) -> float:
-    """Share of a proposal's parts that are none of the elements found."""
+def _left(guess: Proposal, points: Array) -> Array:
+    """The parts of a proposal that are none of the elements found."""
     from scipy.spatial import cKDTree
 
     apart = np.asarray(cKDTree(points).query(guess.likes)[0])
-    return float((apart > min(guess.example.width, guess.example.height) / 2).mean())
+    left: Array = guess.likes[apart > min(guess.example.width, guess.example.height) / 2]
+    return left

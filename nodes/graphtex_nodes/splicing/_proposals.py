@@ -1,5 +1,6 @@
 """Guesses at one element of a texture that nobody has pointed at."""
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from graphtex_nodes.numerics.illumination import evenly_lit
 from graphtex_nodes.numerics.windows import leading_directions
 from graphtex_nodes.splicing._templates import Example
+from graphtex_nodes.splicing._unlit import is_colourful, light_shares
 
 Array = NDArray[Any]
 
@@ -53,7 +55,16 @@ def _enlarged(example: Example, step: float, shape: tuple[int, ...]) -> Example:
 
 
 def colour_channels(image: Array) -> Iterator[Array]:
-    """The one or two directions in colour along which a picture (h, w, c) varies most."""
+    """The directions in colour along which a picture (h, w, c) varies most, and then in shares of the light."""
+    yield from _leading(image)
+    if image.shape[2] >= 3:
+        shares = light_shares(image)
+        if is_colourful(shares):
+            yield from itertools.islice(_leading(shares), 1)
+
+
+def _leading(image: Array) -> Iterator[Array]:
+    """The first, and if it tells something the second, principal component of an image's channels."""
     flat = image.reshape(-1, image.shape[2]).astype(np.float64)
     flat = flat - flat.mean(axis=0)
     covariance = np.einsum("ni,nj->ij", flat, flat) / len(flat)

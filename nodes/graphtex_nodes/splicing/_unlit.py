@@ -26,11 +26,22 @@ def unlit(image: Array) -> Array:
         smooth = gaussian_filter1d(smooth, SMOOTH, axis=axis, mode="mirror")
     features = smooth
     if image.shape[2] >= 3:
-        shares = np.clip(smooth[..., :3], 0, None)
-        shares = shares / (shares.sum(axis=2, keepdims=True) + DARK)
-        if shares.std(axis=(0, 1)).max() > COLOURFUL:
+        shares = light_shares(smooth)
+        if is_colourful(shares):
             features = shares
     steepness = np.sqrt(sum(gaussian_gradient_magnitude(c, SMOOTH) ** 2 for c in np.moveaxis(features, -1, 0)))
     found = np.concatenate([features, steepness[..., None]], axis=2)
     scaled: Array = (found / np.maximum(found.std(axis=(0, 1)), 1e-6)).astype(np.float32)
     return scaled
+
+
+def light_shares(image: Array) -> Array:
+    """Share of the light that each of the first three channels has: (h, w, 3), the same in light and in shade."""
+    light = np.clip(image[..., :3], 0, None)
+    shares: Array = light / (light.sum(axis=2, keepdims=True) + DARK)
+    return shares
+
+
+def is_colourful(shares: Array) -> bool:
+    """Whether shares of the light vary enough to tell elements."""
+    return bool(shares.std(axis=(0, 1)).max() > COLOURFUL)

@@ -1,0 +1,144 @@
+from functools import partial
+
+import numpy as np
+import pytest
+
+from graphtex_nodes import find_textons, separate_foreground, textons
+from graphtex_nodes.numerics.illumination import evenly_lit
+from graphtex_nodes.splicing._colours import least_cut, mixture_cost, smoothness_costs, told_by_hue
+from tests.nodes.splicing.detection import central
+
+small = partial(textons, width=144, height=128, size=24.0)
+SETS = {
+    "discs": partial(small, jitter=0.1),
+    "leaves": partial(small, form="leaf", size=30.0, arrangement="random", spacing=0.95),
+    "bricks": partial(small, form="tile", size=40.0, arrangement="brick", spacing=1.12, proportion=0.45),
+}
+
+
+def overlap(mask, truth):
+    """Intersection over union."""
+    return np.count_nonzero(mask & truth) / np.count_nonzero(mask | truth)
+
+
+def cut(image, **options):
+    found = find_textons(image)
+    return separate_foreground(image, found.elements, width=found.width, height=found.height, **options)
+
+
+@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("spoiled", ["clean", "noise", "ramp"])
+def test_automatic(name, spoiled):
+    made = SETS[name](rng=1)
+    image = made.image
+    if spoiled == "noise":
+        image = image + np.random.default_rng(1).normal(0, 0.02, image.shape).astype(np.float32)
+    if spoiled == "ramp":
+        image = image * np.linspace(0.5, 1, 144, dtype=np.float32)[None, :, None]
+    assert overlap(cut(np.clip(image, 0, 1)).mask, made.mask) >= 0.9
+
+
+def test_one_element_and_scribbles():
+    """The mask of one element and a stroke on the ground tell all the others."""
+    made = small(form="leaf", rng=2)
+    index, _ = central(made, 24.0)
+    ground = {"points": [[0, 0], [143, 127]], "radius": 60, "label": "background"}
+    scribble = np.zeros(made.mask.shape, bool)
+    row, column = np.nonzero(~made.mask)
+    scribble[row[::40], column[::40]] = True
+    found = separate_foreground(made.image, foreground=made.labels == index + 1, background=scribble)
+    assert overlap(found.mask, made.mask) >= 0.9
+    assert not found.mask[scribble].any()
+    with pytest.raises(ValueError, match="background: expected no pixel that foreground has too"):
+        separate_foreground(made.image, foreground=made.mask, strokes={"lines": [ground]})
+
+
+def test_strokes_are_labels():
+    image = np.zeros((20, 30, 1), np.float32)
+    image[:, 15:] = 1
+    lines = [
+        {"points": [[3, 10]], "radius": 2, "label": "foreground"},
+        {"points": [[25, 10]], "radius": 2, "label": "background"},
+    ]
+    found = separate_foreground(image, strokes={"lines": lines}, even_light=False)
+    np.testing.assert_array_equal(found.mask, image[..., 0] < 0.5)
+    np.testing.assert_array_equal(found.labels, found.mask.astype(np.int32))
+
+
+def test_literal_fails_on_one_wrong_sample():
+    """The nearest known colour breaks with one wrong scribble, the mixture does not."""
+    made = small(rng=3)
+    wrong = made.mask & (np.random.default_rng(1).random(made.mask.shape) < 0.01)
+    ground = (~made.mask & (np.random.default_rng(2).random(made.mask.shape) < 0.05)) | wrong
+    one = (made.labels == central(made, 24.0)[0] + 1) & ~ground
+    masks = [separate_foreground(made.image, foreground=one, background=ground, colours=kind, sigma=sigma).mask | wrong
+             for kind, sigma in (("mixture", None), ("literal", 1.0))]  # fmt: skip
+    assert overlap(masks[0], made.mask) > 0.85 > overlap(masks[1], made.mask)
+
+
+def test_touching_elements_are_split():
+    made = small(arrangement="hexagonal", spacing=0.97, jitter=0.03, rng=4)
+    found = separate_foreground(
+        made.image, made.elements, foreground=made.mask, background=~made.mask, width=24.0, height=24.0
+    )
+    both = found.mask & (made.labels > 0) & (made.labels <= len(made.centres))
+    assert (found.labels[both] == made.labels[both]).mean() > 0.93
+
+
+def test_least_cut_against_all_labellings():
+    rng = np.random.default_rng(5)
+    costs = rng.normal(0, 1, (3, 4))
+    right, down = rng.random((2, 3, 4))
+    right[:, -1] = down[-1] = 0
+
+    def energy(labels):
+        pairs = (right[:, :-1] * (labels[:, 1:] != labels[:, :-1])).sum() + (
+            down[:-1] * (labels[1:] != labels[:-1])
+        ).sum()
+        return (costs * labels).sum() + pairs
+
+    every = (np.arange(4096)[:, None] >> np.arange(12)) & 1
+    best = min(energy(labels.reshape(3, 4)) for labels in every)
+    assert energy(least_cut(costs, right, down)) == pytest.approx(best)
+
+
+def test_smoothness_by_hand():
+    """Two neighbours differ by 0.2 once and not at all once: the mean square is 0.02."""
+    right, down = smoothness_costs(np.array([[[0.0], [0.2], [0.2]]]), None)
+    np.testing.assert_allclose(right[0], [np.exp(-0.04 / 0.04), 1, 0])
+    assert not down.any()
+
+
+def test_mixture_finds_its_own_colours_likely():
+    rng = np.random.default_rng(6)
+    samples = np.concatenate([rng.normal(mean, 0.02, (100, 3)) for mean in (0.2, 0.5, 0.8)])
+    costs = mixture_cost(np.array([[0.2] * 3, [0.5] * 3, [0.35] * 3]), samples, 3)
+    assert costs[2] > max(costs[:2]) + 5
+
+
+def test_shading_moves_a_colour_along_brightness():
+    colour = np.array([[0.8, 0.4, 0.2]])
+    bright, shaded = told_by_hue(colour), told_by_hue(colour * 0.6)
+    np.testing.assert_allclose(bright[:, 1:], shaded[:, 1:], atol=0.06)
+    assert bright[0, 0] - shaded[0, 0] > 0.25
+
+
+def test_light_is_evened():
+    """A ramp and its inverse square cancel: what is left is the flat picture."""
+    ramp = np.linspace(0.4, 1, 50, dtype=np.float32)[None, :, None].repeat(30, axis=0)
+    assert np.ptp(evenly_lit(ramp * 0.5)) < 0.02
+    assert evenly_lit(np.ones((1, 1, 3), np.float32)).shape == (1, 1, 3)
+
+
+def test_refuses():
+    made = small(rng=1)
+    with pytest.raises(ValueError, match="foreground: expected some pixels of it, by elements, a mask or strokes"):
+        separate_foreground(made.image)
+    with pytest.raises(ValueError, match="background: expected some pixels of it"):
+        separate_foreground(made.image, foreground=made.mask)
+    with pytest.raises(ValueError, match="width: expected the elements' size above 0, got 0 x 0"):
+        separate_foreground(made.image, made.elements)
+    with pytest.raises(ValueError, match=r"background.*must agree"):
+        separate_foreground(made.image, foreground=made.mask, background=made.mask[:9])
+    with pytest.raises(ValueError, match="image: expected colours that tell elements"):
+        separate_foreground(np.full((128, 144, 3), 0.5, np.float32), made.elements, width=24.0, height=24.0)
