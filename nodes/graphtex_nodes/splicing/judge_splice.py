@@ -57,6 +57,8 @@ def judge_splice(
     stretched
         Share of the pixels expected in the foreground that show something else, or their element distorted.
 
+    For the tag B=c, whose elements may be deformed, ``cut`` and ``stretched`` only tell how much they are.
+
     Raises
     ------
     ValueError

@@ -72,7 +72,7 @@ def test_small_and_odd_sizes(size, tag):
 def test_channels():
     for channels in (1, 2, 16):
         image = np.random.default_rng(0).random((24, 24, channels)).astype(np.float32)
-        extension = extend_texture(Texture(image, image[..., 0] > 0.8, np.array([[3.0, 3.0]]), "F=d"))
+        extension = extend_texture(Texture(image, image[..., 0] >= image[3, 3, 0], np.array([[3.0, 3.0]]), "F=d"))
         assert extension.image.shape == (36, 36, channels)
 
 
@@ -90,5 +90,11 @@ def test_refuses_what_does_not_fit(change, told):
 
 
 def test_refuses_what_would_take_gigabytes():
-    with pytest.raises(ValueError, match="texture: expected a window of at most 466033 pixels with factor"):
+    with pytest.raises(ValueError, match="texture: expected a window of at most 266666 pixels with factor"):
         extend_texture(discs([[9, 9]]), width=1000, height=1000)
+
+
+def test_a_mask_without_elements_is_told():
+    texture = discs([[9, 9]])
+    with pytest.warns(UserWarning, match="no texton lies on the foreground"):
+        extend_texture(texture._replace(mask=np.zeros((40, 40), bool)))
