@@ -5,7 +5,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from graphtex import AngleMap, Image, Number, node
+from graphtex import QUIET, AngleMap, Context, Image, Number, node
+
+NO_DIRECTION = 0.1  # anisotropy below which the direction found is chance
 
 
 class Flow(NamedTuple):
@@ -23,6 +25,7 @@ def flow_from_image(
         float, Field(ge=0, le=512, description="pixels over which the direction is averaged; 0 = the whole picture")
     ] = 0.0,
     sigma: Annotated[float, Field(gt=0, le=32, description="smoothing before anything else, pixels")] = 1.5,
+    ctx: Context = QUIET,
 ) -> Flow:
     r"""Direction in which lines, grain or blades run, by the structure tensor (Bigün & Granlund 1987).
 
@@ -41,7 +44,8 @@ def flow_from_image(
     -------
     Flow
         ``angle`` (h, w) in degrees clockwise from right, [0, 180): lines have no heads. ``anisotropy`` is the share of
-        the gradient that agrees, from 0 (no direction, the angles tell nothing) to 1 (parallel lines).
+        the gradient that agrees, from 0 (no direction, the angles tell nothing) to 1 (parallel lines). Below 0.1 the
+        node warns.
 
     Examples
     --------
@@ -54,4 +58,8 @@ def flow_from_image(
 
     angles, clear, energy = structure(image, sigma, window)
     total = float(energy.sum())
-    return Flow(angles.astype(np.float32), float(clear.sum()) / total if total > 0 else 0.0)
+    anisotropy = float(clear.sum()) / total if total > 0 else 0.0
+    if anisotropy < NO_DIRECTION:
+        hint = "; a window of the size of an element, about 8, may find those of its parts" if window == 0 else ""
+        ctx.warn(f"no direction stands out in the picture, its anisotropy is {anisotropy:.2g}{hint}")
+    return Flow(angles.astype(np.float32), anisotropy)

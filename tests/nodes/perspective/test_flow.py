@@ -98,8 +98,11 @@ def test_grain_of_stripes(angle, window):
 
 def test_no_grain():
     noise = np.random.default_rng(2).random((80, 80, 3)).astype(np.float32)
-    assert flow_from_image(noise).anisotropy < 0.1
-    assert flow_from_image(np.full((9, 9, 1), 0.5, np.float32)).anisotropy == 0
+    told = []
+    ctx = Context(threads=1, on_warning=told.append)
+    assert flow_from_image(noise, ctx=ctx).anisotropy < 0.1
+    assert flow_from_image(np.full((9, 9, 1), 0.5, np.float32), window=3.0, ctx=ctx).anisotropy == 0
+    assert [("a window" in line, "no direction stands out" in line) for line in told] == [(True, True), (False, True)]
 
 
 @pytest.fixture(scope="module")
