@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics.seams import RADIUS
 from graphtex_nodes.numerics.sources import ANGLE, COLUMN, INDEX, LOG, MIRRORED, ROW, continued
 
 Array = NDArray[Any]
 Flags = NDArray[np.bool_]
 
+RADIUS = 2
+"""Pixels of the output over which pieces fade into each other."""
 REACH = range(-RADIUS, RADIUS + 1)
 OFFSETS = np.array(sorted(((y, x) for y in REACH for x in REACH), key=lambda place: abs(place[0]) + abs(place[1])))
 """Rows and columns (n, 2) from a pixel to those whose pieces fade into it, its own place first."""

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from graphtex_nodes.numerics import membrane, seam_kernels
 from graphtex_nodes.numerics.parallel import Work, for_rows
+from graphtex_nodes.numerics.pieces import RADIUS
 from graphtex_nodes.numerics.problem import Problem, Result
 
 Array = NDArray[np.float32]
@@ -14,7 +15,6 @@ Field = NDArray[np.int32]
 PULL, JOIN = 0.2, 0.02
 """Cost of leaving the wanted image, and of a pair of pixels across a seam in units of the exemplar's variance."""
 PASSES = 10
-RADIUS = 2
 
 
 def finish(problem: Problem, result: Result, *, fade: bool, work: Work) -> tuple[Array, Field]:

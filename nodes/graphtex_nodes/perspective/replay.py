@@ -1,17 +1,15 @@
 """Replays a synthesis: its source map applied to other maps of the same exemplars."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Axes, Context, Image, Mask, SourceMap, node
-from graphtex_nodes.numerics.materials import MapKind
-
-if TYPE_CHECKING:
-    from graphtex_nodes.numerics.pieces import Around
-    from graphtex_nodes.numerics.sources import Look
+from graphtex_nodes.numerics import pieces
+from graphtex_nodes.numerics.materials import MapKind, renormalised, require_channels
+from graphtex_nodes.numerics.sources import Look, continued
 
 Array = NDArray[Any]
 
@@ -74,10 +72,6 @@ def replay(
     >>> replay(source, [np.float32([[[0], [0.5], [1]]])])[..., 0]
     array([[1., 0.]], dtype=float32)
     """
-    from graphtex_nodes.numerics import pieces
-    from graphtex_nodes.numerics.materials import renormalised, require_channels
-    from graphtex_nodes.numerics.sources import Look
-
     _require_maps(source, maps, factor)
     channels = maps[0].shape[2]
     if kinds:
@@ -137,10 +131,8 @@ def _pixels(first: int, stop: int, count: int, factor: float) -> tuple[Array, Ar
     return nearest, place - nearest
 
 
-def _look(looks: list["Look"], points: Array, offset: list[Array], factor: float) -> Array:
+def _look(looks: list[Look], points: Array, offset: list[Array], factor: float) -> Array:
     """Values (n, c) at an offset (down, right) in output pixels from points (n, 6) of a source map."""
-    from graphtex_nodes.numerics.sources import continued
-
     places = continued(points, *offset)
     points = points.astype(np.float64)
     if factor != 1:
@@ -156,22 +148,18 @@ def _look(looks: list["Look"], points: Array, offset: list[Array], factor: float
     return result
 
 
-def _mixture(looks: list["Look"], around: "Around", parent: Array, offset: list[Array], factor: float) -> Array:
+def _mixture(looks: list[Look], around: pieces.Around, parent: Array, offset: list[Array], factor: float) -> Array:
     """Weighted mean (n, c) of what the pieces around show, each continued up to the pixels.
 
     Pixels lie at an ``offset`` (down, right) from pixels of the source map, whose numbers in ``around`` are their
     ``parent``.
     """
-    from graphtex_nodes.numerics.pieces import OFFSETS
-    from graphtex_nodes.numerics.seams import RADIUS
-    from graphtex_nodes.numerics.sources import continued
-
-    apart = [part[:, None] - OFFSETS[:, axis] for axis, part in enumerate(offset)]
-    weights = np.exp(-2 * (apart[0] ** 2 + apart[1] ** 2) / RADIUS**2)
+    apart = [part[:, None] - pieces.OFFSETS[:, axis] for axis, part in enumerate(offset)]
+    weights = np.exp(-2 * (apart[0] ** 2 + apart[1] ** 2) / pieces.RADIUS**2)
     shapes = np.array([look.exemplar.shape[:2] for look in looks]) / factor
     total = np.zeros((len(parent), looks[0].exemplar.shape[2]))
     sums = np.zeros((len(parent), 1))
-    for number in range(len(OFFSETS)):
+    for number in range(len(pieces.OFFSETS)):
         chosen = np.flatnonzero(around.first[parent, number] == number)
         points = around.points[parent[chosen], number]
         inside = np.ones(len(chosen), bool)
