@@ -9,12 +9,11 @@ from pydantic import Field
 from graphtex import QUIET, Context, node
 from graphtex_nodes.splicing._stiffness import RULES, Constraint, centre_rows, matrix, pixel_rows
 from graphtex_nodes.splicing.tags import checked_tag
+from graphtex_nodes.splicing.texton_labels import RIM
 from graphtex_nodes.splicing.values import Extension, Factor
 
 Array = NDArray[Any]
 LEAF, SEPARATOR = 6, 2
-RIM = 2
-"""Pixels around an element that go with it: its edge is soft, and a little of its shadow."""
 Hold = Annotated[
     Constraint, Field(description="what of a texton is moved: its centre, or all its pixels, so that it can turn")
 ]

@@ -11,6 +11,7 @@ from graphtex_nodes.numerics.jit import announce
 from graphtex_nodes.numerics.parallel import for_rows
 from graphtex_nodes.splicing._stiffness import RULES
 from graphtex_nodes.splicing.tags import checked_tag
+from graphtex_nodes.splicing.texton_labels import with_rim
 from graphtex_nodes.splicing.values import Extension, Moves
 
 Array = NDArray[Any]
@@ -51,7 +52,8 @@ def rasterize(
     elements, moves, warp
         An extension, where its textons go, and its displacement (h, w, 2).
     surplus
-        Without, elements of the tag F=d that were given no place, or in which no texton was found, are not drawn.
+        Without, elements of the tag F=d that were given no place, or in which no texton was found, are not drawn, nor
+        their rims.
 
     Returns
     -------
@@ -82,7 +84,8 @@ def rasterize(
     kept = np.ones(shape, bool)
     if tag == "F=d" and not surplus:
         placed = np.append(moves.matched > 0, False)
-        kept = ~elements.mask | placed[elements.labels]
+        given = elements.mask & placed[elements.labels]
+        kept = ~with_rim(elements.mask & ~given) | given
     height, width = elements.height, elements.width
     grid = np.moveaxis(np.mgrid[: shape[0], : shape[1]][::-1], 0, -1)
     places = np.ascontiguousarray(grid + warp - (elements.left, elements.top), np.float32)

@@ -10,9 +10,9 @@ from graphtex import QUIET, Axes, Context, Image, Mask, Rng, SourceMap, Texture,
 from graphtex_nodes.numerics.jit import announce
 from graphtex_nodes.numerics.parallel import for_rows
 from graphtex_nodes.splicing._stiffness import RULES
-from graphtex_nodes.splicing.factor_warp import RIM
 from graphtex_nodes.splicing.neighbour_sets import NeighbourSets
 from graphtex_nodes.splicing.tags import checked_tag
+from graphtex_nodes.splicing.texton_labels import with_rim
 
 Array = NDArray[Any]
 
@@ -44,7 +44,7 @@ def refine(
     ] = 2,
     passes: Annotated[int, Field(ge=0, le=16, description="corrections at each of the two spacings")] = 2,
     rigid_charge: Annotated[
-        float, Field(ge=1, le=1000, description="cost of a rigid source pixel where nothing rigid should be")
+        float, Field(ge=1, le=1000, description="cost of a source in or beside something rigid where none should be")
     ] = 4.0,
     rng: Rng = 0,
     ctx: Context = QUIET,
@@ -92,15 +92,16 @@ def refine(
     if image.shape[2] != texture.image.shape[2]:
         raise ValueError(f"image: expected {texture.image.shape[2]} channels as the texture, got {image.shape[2]}")
     announce(ctx, "coherence_kernels")
-    from scipy.ndimage import binary_dilation
-
     foreground = RULES[checked_tag(texture.tag, "texture.tag")].foreground
     rigid_source = texture.mask if foreground else ~texture.mask
+    # soft edges of elements would show as ghosts; between joints there is no room for rims
+    barred = with_rim(rigid_source) if foreground else rigid_source
+    barred = rigid_source if barred.all() else barred
     rigid = (mask if foreground else ~mask) & ~holes
-    fixed = binary_dilation(rigid, np.ones((2 * RIM + 1, 2 * RIM + 1), bool)) & ~holes
+    fixed = with_rim(rigid) & ~holes
     drawn = np.clip(np.rint(source[..., 1:3]), 0, np.array(shape) - 1).astype(np.int32)
-    start = _shaken(drawn, holes, fixed, rigid_source, jitter, rng)
-    charge = np.where(rigid_source, np.float32(rigid_charge), np.float32(1))
+    start = _shaken(drawn, holes, fixed, barred, jitter, rng)
+    charge = np.where(barred, np.float32(rigid_charge), np.float32(1))
     coarse = np.ascontiguousarray(start[::2, ::2])
     _correct(coarse, fixed[::2, ::2], sets.coarse_appearance, sets.coarse_sets, charge, 2, passes, ctx)
     fine = _doubled(coarse, mask.shape, shape)

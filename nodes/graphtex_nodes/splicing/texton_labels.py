@@ -7,6 +7,16 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
+RIM = 2
+"""Pixels around an element that go with it: its edge is soft, and there is a little of its shadow."""
+
+
+def with_rim(mask: Array) -> Array:
+    """The mask (h, w) of elements and of the rims around them."""
+    from scipy.ndimage import binary_dilation
+
+    return np.asarray(binary_dilation(mask, np.ones((2 * RIM + 1, 2 * RIM + 1), bool)))
+
 
 def texton_labels(mask: Array, points: Array) -> Array:
     """Index of the texton of each foreground pixel, int32 (h, w); -1 in the background and in parts without a texton.

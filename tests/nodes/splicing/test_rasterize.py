@@ -95,3 +95,13 @@ def test_refuses():
         rasterize(one, still(one), constant(other, 0, 0))
     with pytest.raises(ValueError, match="moves: expected 16 textons as elements, got 1"):
         rasterize(one, still(other), constant(one, 0, 0))
+
+
+def test_rims_of_surplus_elements_are_not_drawn_either():
+    extension = whole(discs([[10, 10], [30, 30]]))
+    moves = hungarian(extension, elements([[10, 10]])).moves
+    holes = rasterize(extension, moves, constant(extension, 0, 0)).holes
+    y, x = np.mgrid[:40, :40]
+    distance = np.maximum(np.hypot(x - 30, y - 30) - 4, 0)
+    assert holes[distance <= 1].all()
+    assert not holes[distance > 4].any()
