@@ -11,7 +11,7 @@ from graphtex.document import Output
 from graphtex.events import Event, Started
 from graphtex.outputs import write_outputs
 from graphtex_nodes import feature_mask, feature_scale, optimize, pebbles, resize_scale, sample
-from tests.truth import scale_slope
+from tests.truth import scale_slope, source_scale_correlation
 
 GRAPH = Path(__file__).parents[2] / "graphs" / "perspective" / "feature-mask.yaml"
 SIZE = {"width": 512, "height": 512}
@@ -92,3 +92,38 @@ def test_grey_and_16_channels():
         exemplar = rng.random((48, 60, channels)).astype(np.float32)
         result = gt.run(gt.load(GRAPH), {"exemplar": exemplar, "width": 40, "height": 40}, only=["image"], cache=False)
         assert result["image"].shape == (40, 40, channels)
+
+
+SHIPPED = ("angles", "angles-estimated", "edited-scale", "scale-pattern", "slant", "slant-comparison")
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_runs_on_any_picture(name: str, store: Path):
+    """As it ships but small, and on a picture of another size and one channel."""
+    graph = gt.load(GRAPH.with_name(f"{name}.yaml"))
+    assert set(gt.run(graph, {"width": 64, "height": 48}, cache=store)) >= {"image", "overview"}
+    grey = sample(name="brick")[:150, :180]
+    images = gt.run(graph, {"exemplar": grey, "width": 41, "height": 50}, cache=store, only=["image"])["image"]
+    for image in images if isinstance(images, list) else [images]:
+        assert image.shape == (50, 41, 1)
+
+
+def test_estimated_angles_guide_like_given_ones(store: Path):
+    """The graph that needs no input puts elements where one that is told the plane's angles puts them."""
+    exemplar = pebbles(slant=50.0, tilt=0.0, rng=24)
+    size = {"width": 256, "height": 256}
+    graph = gt.load(GRAPH.with_name("angles-estimated.yaml"))
+    graph.outputs["source"] = Output("result.source")
+    run = gt.run(graph, {"exemplar": exemplar.image, **size}, cache=store, only=["source", "confidence"])
+    truth = resize_scale(exemplar.scale, **size)
+    assert run["confidence"] > 0.4
+    assert source_scale_correlation(run["source"], [exemplar.scale], truth) > 0.95
+
+
+def test_slants_show_in_the_scale():
+    """The steeper, the larger the range of scales."""
+    graph = gt.load(GRAPH.with_name("slant-comparison.yaml"))
+    graph.outputs["scales"] = Output("seen.scale")
+    scales = gt.run(graph, {"width": 32, "height": 32}, cache=False, only=["scales"])["scales"]
+    ranges = [float(scale.max() / scale.min()) for scale in scales]
+    np.testing.assert_allclose(ranges, [1 / np.cos(np.radians(slant)) ** 2 for slant in (30, 45, 60)], rtol=1e-4)

@@ -14,10 +14,11 @@ Array = NDArray[Any]
 
 BINS = 12  # of direction, over half a turn
 STEP = 0.15  # of log frequency between bins
-GAIN = 0.5  # how far the contrast of windows may differ, as a standard deviation of log power
+GAIN = 0.25  # how far the contrast of windows may differ, as a standard deviation of log power
 CAP = 4.0  # residuals of log power are cut here
 MEMBERS = 3.0  # samples that a bin must have, for one to be compared with the others
-ROUNDS = 3
+ROUNDS = 2
+NEAR_HORIZON = 0.02  # how much a plane's deviation counts more, the nearer its horizon comes to the picture
 STEEPEST = 0.95  # loss of scale from the middle to the far corner
 TELLING = 0.02  # standard deviation of log scale between windows; less is rounding
 SHIFTS = np.linspace(-0.9, 0.9, 37)  # of log scale, tried for each window
@@ -52,9 +53,9 @@ def receding_plane(picture: Array, usable: Array | None, work: Work) -> Recessio
     differences between neighbours). The deviation is the mean square of log power from the mean of its bin, cut at a
     cap, after a gain for each window. Foreshortening by the slant is a part of P, so elements need not be round.
 
-    The search is a coarse grid, then Nelder & Mead's simplex. Spectra are then taken again from windows that are
-    rectangles on the plane just found, until it stays: near the solution all windows hold equally many texels, and what
-    windows do to spectra is the same for all.
+    The search is a coarse grid, then Nelder & Mead's simplex. Then spectra are taken once more, from windows that are
+    rectangles on the plane just found: with square windows of the picture, which hold more texels where these are
+    small, the plane comes out too flat. More turns would add up what each has of noise.
     """
     from scipy.optimize import minimize
 
@@ -63,9 +64,12 @@ def receding_plane(picture: Array, usable: Array | None, work: Work) -> Recessio
     best = np.zeros(2)
     spectra: LocalSpectra | None = None
 
+    def far_loss(loss: Array) -> float:
+        return float(abs(loss[0]) * width + abs(loss[1]) * height) / (2 * reach)
+
     def plane_of(loss: Array) -> Plane | None:
         steepness = float(np.hypot(loss[0], loss[1])) / reach
-        if (abs(loss[0]) * width + abs(loss[1]) * height) / (2 * reach) > STEEPEST:
+        if far_loss(loss) > STEEPEST:
             return None
         return Plane(width, height, float(np.degrees(np.arctan2(loss[0], -loss[1]))), 1.0, 1.0, steepness)
 
@@ -73,7 +77,9 @@ def receding_plane(picture: Array, usable: Array | None, work: Work) -> Recessio
         work.check()
         plane = plane_of(loss)
         assert spectra is not None
-        return 1e3 * (1 + float(np.hypot(loss[0], loss[1]))) if plane is None else _fit(spectra, plane).cost
+        if plane is None:
+            return 1e3 * (1 + float(np.hypot(loss[0], loss[1])))
+        return _fit(spectra, plane).cost * (1 - NEAR_HORIZON * float(np.log(1 - far_loss(loss) ** 2)))
 
     for turn in range(ROUNDS):
         work.progress(0.1 + 0.8 * turn / ROUNDS, "comparing windows")
@@ -86,12 +92,9 @@ def receding_plane(picture: Array, usable: Array | None, work: Work) -> Recessio
         if turn == 0:
             best = min(_starts(), key=cost)
         simplex = best + np.array([[0, 0], [0.06, 0], [0, 0.06]])
-        before = best
         best = minimize(
             cost, best, method="Nelder-Mead", options={"initial_simplex": simplex, "xatol": 3e-3, "fatol": 1e-5}
         ).x
-        if turn and np.hypot(*(best - before)) < 0.01:
-            break
     plane = plane_of(best)
     if spectra is None or plane is None:
         return None

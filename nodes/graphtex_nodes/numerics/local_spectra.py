@@ -70,7 +70,7 @@ def local_spectra(picture: Array, plane: Plane, usable: Array | None, work: Work
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     blurred = [picture, *(gaussian_filter(picture, blur, mode="nearest") for blur in BLURS[1:])]
     places, parts = [], []
-    for across, along in _middles(plane, side):
+    for number, (across, along) in enumerate(_middles(plane, side)):
         work.check()
         scale = float(plane.scale_at(np.array(along)))
         size = np.array([side, side * scale**ALONG])
@@ -88,7 +88,7 @@ def local_spectra(picture: Array, plane: Plane, usable: Array | None, work: Work
         # twice as fine as the window's own resolution, then smoothed to about that
         spectrum = np.abs(fft.fft2(patch, (2 * grid, 2 * grid))) ** 2 * (step[0] * step[1])
         spectrum = gaussian_filter(fft.fftshift(spectrum), 2.0, mode="wrap")
-        u, v = _plane_frequencies(side, size)
+        u, v = _plane_frequencies(side, size, number)
         k_across, k_along = _picture_frequencies(plane, across, scale, u, v)
         seen = (
             (np.hypot(k_across, k_along) < HIGHEST)
@@ -143,10 +143,15 @@ def _middles(plane: Plane, side: float) -> list[tuple[float, float]]:
     return list(found.values())
 
 
-def _plane_frequencies(side: float, size: Array) -> tuple[Array, Array]:
-    """Frequencies (across, along) on the plane in ANGLES directions, from LOWEST cycles in a window of this size."""
-    radius = np.exp(np.linspace(np.log(LOWEST / side), 0.0, RADII))[:, None]
-    angle = np.arange(ANGLES) * (np.pi / ANGLES)
+def _plane_frequencies(side: float, size: Array, number: int) -> tuple[Array, Array]:
+    """Frequencies (across, along) on the plane in ANGLES directions, from LOWEST cycles in a window of this size.
+
+    Each window's grid lies elsewhere between two steps (by multiples of the golden ratio and of the root of 2): if they
+    lay alike, the plane that windows were cut on would seem better than any other.
+    """
+    turn, shift = number * 0.6180339887 % 1, number * 0.4142135624 % 1
+    radius = np.exp(np.log(LOWEST / side) * (1 - (np.arange(RADII) + shift) / RADII))[:, None]
+    angle = (np.arange(ANGLES) + turn) * (np.pi / ANGLES)
     u, v = (radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()
     enough = np.maximum(np.abs(u) * size[0], np.abs(v) * size[1]) >= LOWEST
     return u[enough], v[enough]

@@ -81,7 +81,7 @@ def estimate_angles(
     Notes
     -----
     On rendered planes of slant 30 to 60 (pebbles, bricks, pavers, flowers, cloth, 256 x 256 pixels, field of view 45)
-    nine of ten are within 5 degrees of slant and 10 of tilt. Spread over a small slant the tilt is uncertain.
+    about six of seven are within 5 degrees of slant and 10 of tilt. The smaller the slant, the less sure is the tilt.
 
     Examples
     --------
