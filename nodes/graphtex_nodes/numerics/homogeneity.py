@@ -65,7 +65,7 @@ def receding_plane(picture: Array, usable: Array | None, work: Work) -> Recessio
     spectra: LocalSpectra | None = None
 
     def far_loss(loss: Array) -> float:
-        return float(abs(loss[0]) * width + abs(loss[1]) * height) / (2 * reach)
+        return float((abs(loss[0]) * width + abs(loss[1]) * height) / (2 * reach))
 
     def plane_of(loss: Array) -> Plane | None:
         steepness = float(np.hypot(loss[0], loss[1])) / reach
