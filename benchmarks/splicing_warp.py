@@ -2,9 +2,10 @@
 
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,7 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
     yield from _pairs(pictures)
     for side in SIDES:
         yield from _speed(side)
+    yield from _matrix()
 
 
 def _elements() -> Iterator[Figure]:
@@ -181,6 +183,22 @@ def _speed(side: int) -> Iterator[Figure]:
     yield Figure(f"similar pixels, {size}, s; reference exact search", sets, "", exact)
     yield Figure(f"similar pixels, {size}, time over that of exact search", sets / exact, "<= 0.2")
     yield Figure(f"two new textures to a splice, {size}, s", seconds(lambda: _splice(_entry(first), second), 3))
+
+
+def _matrix() -> Iterator[Figure]:
+    """All pairs of ten textures whose extensions, factors and similar pixels are made, on two threads."""
+    made = []
+    for seed in range(10):
+        form: Literal["disc", "leaf", "flower"] = ("disc", "leaf", "flower")[seed % 3]
+        kind: Literal["square", "hexagonal", "random"] = ("square", "hexagonal", "random")[seed // 3 % 3]
+        made.append(_texture(textons(width=128, height=128, size=24.0, form=form, arrangement=kind, rng=seed)))
+    entries = [_entry(texture) for texture in made]
+
+    def splice_all() -> None:
+        with ThreadPoolExecutor(2) as pool:
+            list(pool.map(lambda pair: _splice(*pair), [(entry, other) for entry in entries for other in made]))
+
+    yield Figure("all pairs of ten textures, 128 x 128, two threads, s", seconds(splice_all, 1))
 
 
 def _texture(made: Any) -> Texture:

@@ -11,6 +11,9 @@ from graphtex_nodes.splicing.values import Extension
 
 Array = NDArray[Any]
 
+GAIN = 0.1
+"""Share of the cost that a turn must save: between unlike lattices all angles are about as bad."""
+
 
 class Alignment(NamedTuple):
     """Places in pixels of the window, and by how much the arrangement was sized and turned (degrees, clockwise)."""
@@ -35,8 +38,8 @@ def align_distributions(
 
     The arrangement is sized so that the mean distance to the nearest textons is that of the elements, which keep their
     size. Its middle is laid on that of the window. Orientations are peaks over angle of the variance of the Radon
-    transform of the points; a lattice has several, so each peak is tried, no turn as well, and the one kept whose
-    assignment (equation 4) costs least. A pattern without a clear peak is not turned.
+    transform of the points; a lattice has several, so each peak is tried, and the one kept whose assignment (equation
+    4) costs least. It must cost a tenth less than no turn. A pattern without a clear peak is not turned.
 
     Parameters
     ----------
@@ -89,7 +92,8 @@ def align_distributions(
     for turn in turns:
         ctx.check()
         places = _laid(elements, arrangement, scale, turn, own, wanted)
-        tried.append((*_settled(elements, places, margin), turn))
+        cost, settled = _settled(elements, places, margin)
+        tried.append((cost if turn else (1 - GAIN) * cost, settled, turn))
     _, places, turn = min(tried, key=lambda entry: entry[0])
     count = len(places)
     return Alignment(Elements(places, np.zeros(count), np.ones(count)), scale, turn)
