@@ -16,7 +16,8 @@ from graphtex.document import Document
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.executors import Executor, make_executor
 from graphtex.plan import Plan, Task
-from graphtex.schedule import Emit, Finished, Report, schedule
+from graphtex.reports import Finished, Report
+from graphtex.schedule import Emit, schedule
 from graphtex.shipped import graph_identity
 from graphtex.sockets import Gap
 from graphtex.work import Held

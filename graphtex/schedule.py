@@ -5,8 +5,6 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, field
-from typing import Literal
 
 from graphtex import events
 from graphtex.cache import Cache, CacheUnavailable, KeyParts, Output
@@ -16,35 +14,12 @@ from graphtex.executors import Executor
 from graphtex.holding import Holding
 from graphtex.keys import Keys, found_outputs
 from graphtex.plan import Plan, Slot, Task
+from graphtex.reports import Finished, Report
 from graphtex.sockets import Gap
 from graphtex.work import Call, Held, InputLost, Monitor, Outcome
 
-Status = Literal["ran", "cached", "failed", "skipped"]
 Emit = Callable[[events.Event], None]
 Explain = Callable[[Task, KeyParts | None], str]
-
-
-@dataclass
-class Report:
-    """What became of one task."""
-
-    task: Task
-    status: Status
-    seconds: float = 0.0
-    key: str = ""
-    why: str = ""
-    message: str = ""
-    warnings: tuple[str, ...] = ()
-
-
-@dataclass
-class Finished:
-    """What became of a plan: a report for each task that was reached, and the values that are still held."""
-
-    reports: dict[str, Report] = field(default_factory=dict)
-    held: dict[Slot, Held | Gap] = field(default_factory=dict)
-    parts: dict[str, KeyParts] = field(default_factory=dict)
-    failure: NodeFailed | None = None
 
 
 def schedule(
@@ -112,6 +87,7 @@ class _Run:
         self.blocked: dict[str, set[str]] = {}  # task -> tasks that it waits for as their stored outputs were lost
         self.forced: set[str] = set()  # tasks that must run though the digests of their outputs are known
         self.done: set[str] = set()
+        self.causes: dict[str, str] = {}  # skipped task -> the failed one that it would need
         self.monitor = Monitor(
             lambda task, share, text: self.emit(events.Progress(task, share, text)), self.warn, lambda: self.stopping
         )
@@ -162,6 +138,7 @@ class _Run:
         """Find a task's outputs in the cache, or hand it to the executor."""
         broken = self.holding.broken_input(task)
         if broken:
+            broken = self.causes.setdefault(task.id, self.causes.get(broken, broken))
             self.emit(events.Skipped(task.id, broken))
             self.leave_gap(task, Report(task, "skipped", message=f"needs {broken}, which failed"))
             return

@@ -13,8 +13,8 @@ from graphtex.links import Links
 from graphtex.plan import Slot, Task
 from graphtex.references import FromNode, reference, unescaped
 from graphtex.report.words import duration, tally, worst
+from graphtex.reports import Report
 from graphtex.run import RunResult
-from graphtex.schedule import Report
 from graphtex.show.scene import Mark, brief
 from graphtex.sockets import ValueType
 from graphtex.work import Held

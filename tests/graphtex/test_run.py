@@ -369,7 +369,7 @@ def test_a_cell_that_may_fail_leaves_a_gap(tmp_path, how, cached):
         assert values(result, "v") == [0, -1, 2]
         assert result["c"][1] == Gap("c[1]", "value: 1 is bad")
         assert result["c"][2][0, 0, 0] == 2
-        assert result["u"] == Gap("u", "needs t, which failed")
+        assert result["u"] == Gap("u", "needs c[1], which failed")
         status = {task: report.status for task, report in result.reports.items()}
         assert status["c[1]"] == "failed"
         assert status["t"] == status["u"] == "skipped"
