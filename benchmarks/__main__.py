@@ -9,7 +9,7 @@ from pathlib import Path
 from benchmarks.figures import Figure, table
 
 GROUPS = ("engine", "perspective", "plain", "speed", "completion", "materials", "splicing")
-WITH_TEXTURES = {"plain", "materials"}  # groups that can measure the user's own pictures
+WITH_TEXTURES = {"plain", "materials", "perspective"}  # groups that can measure the user's own pictures
 
 
 def main() -> int:

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import spearmanr
 
+from benchmarks import marked
 from benchmarks.figures import Figure
 from graphtex_nodes import (
     bricks,
     contact_sheet,
+    estimate_angles,
     feature_mask,
     feature_scale,
     flowers,
@@ -35,7 +37,8 @@ SYNTHESISED: dict[str, tuple[Any, float]] = {
     "cloth": (woven_cloth, 0.0),
     "bricks": (bricks, 90.0),
 }
-POSES = [(30.0, 0.0), (45.0, 20.0), (50.0, -40.0), (60.0, 0.0)]
+POSES = [(30.0, 0.0), (38.0, 60.0), (45.0, 20.0), (45.0, 135.0), (50.0, -40.0), (55.0, 90.0), (60.0, 0.0)]
+VIEW = 45.0  # of the generated exemplars
 SEEDS = (20, 21, 22)
 SLANT = 55.0
 OUTPUT = 512
@@ -53,24 +56,32 @@ class Plane:
     truth: Array
 
 
-def figures(pictures: Path | None) -> Iterator[Figure]:
-    """Measure the analysis on many poses, and syntheses of three planes of each kind."""
+def figures(pictures: Path | None, textures: Path | None = None) -> Iterator[Figure]:
+    """Measure the analysis on many poses, syntheses of three planes of each kind, and a folder's marked photographs."""
     yield from analysis()
+    if textures is not None:
+        yield from marked.figures(pictures, textures)
     for name, (kind, tilt) in SYNTHESISED.items():
         yield from synthesis(name, [plane(kind, tilt, seed) for seed in SEEDS], pictures)
     yield from free_scale([plane(pebbles, 0.0, seed) for seed in SEEDS], pictures)
 
 
 def analysis() -> Iterator[Figure]:
-    """Rank correlation of FeatureScale with the truth; asked for from slant 45 up."""
+    """FeatureScale's rank correlation with the truth (asked for from slant 45 up), and errors of EstimateAngles."""
+    right = []
     for name, kind in KINDS.items():
         for slant, tilt in POSES:
             exemplar = kind(slant=slant, tilt=tilt, rng=SEEDS[0])
             found = feature_scale(feature_mask(exemplar.image))
             rank = float(spearmanr(found.ravel(), exemplar.scale.ravel()).statistic)
-            yield Figure(
-                f"FeatureScale, {name} at {slant:g}, tilt {tilt:g}: Spearman", rank, ">= 0.93" if slant >= 45 else ""
-            )
+            pose = f"{name} at {slant:g}, tilt {tilt:g}"
+            yield Figure(f"FeatureScale, {pose}: Spearman", rank, ">= 0.93" if slant >= 45 else "")
+            angles = estimate_angles(exemplar.image, field_of_view=VIEW)
+            aside = (angles.tilt - tilt + 180) % 360 - 180
+            yield Figure(f"EstimateAngles, {pose}: degrees of slant too many", angles.slant - slant)
+            yield Figure(f"EstimateAngles, {pose}: degrees of tilt too many", aside)
+            right.append(abs(angles.slant - slant) <= 5 and abs(aside) <= 10)
+    yield Figure("EstimateAngles: share within 5 degrees of slant and 10 of tilt", float(np.mean(right)), ">= 0.8")
 
 
 def plane(kind: Any, tilt: float, seed: int) -> Plane:

@@ -1,0 +1,115 @@
+"""Photographs whose element sizes were measured by hand: the judge that no generator of this project has made."""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.figures import Figure
+from graphtex import Context
+from graphtex_nodes import (
+    contact_sheet,
+    estimate_angles,
+    feature_mask,
+    feature_scale,
+    load_image,
+    optimize,
+    resize_scale,
+    scale_from_angles,
+)
+from graphtex_nodes.image.save import save_image
+from graphtex_nodes.numerics.measures import scale_slope, source_scale_correlation
+
+Array = NDArray[Any]
+
+SEEDS = (0, 1, 2)
+SURE = 0.3  # confidence of EstimateAngles below which features are counted instead
+
+
+@dataclass(frozen=True)
+class Marks:
+    """A file, the part of it that shows one texture, and sizes that were measured at rows of the file.
+
+    `rows_cross` tells whether elements lie side by side along rows, so that runs along rows tell their size.
+    """
+
+    file: str
+    left: int
+    top: int
+    right: int
+    bottom: int
+    sizes: dict[int, float]
+    rows_cross: bool = True
+
+    def picture(self, folder: Path) -> Array:
+        """Return the part of the file that shows the texture."""
+        whole = load_image(path=folder / self.file)
+        return np.ascontiguousarray(whole[self.top : self.bottom, self.left : self.right, :3])
+
+    def scale(self) -> Array:
+        """Scale map by the marks: a straight line through them, as on a plane; its ends multiply to 1."""
+        slope, level = np.polyfit(list(self.sizes), list(self.sizes.values()), 1)
+        line = slope * np.arange(self.top, self.bottom) + level
+        line = line / np.sqrt(line[0] * line[-1])
+        return np.repeat(line[:, None], self.right - self.left, axis=1).astype(np.float32)
+
+
+MARKED = {
+    # widths of bricks, from 12 to 15 of them at each row
+    "brick floor": Marks("perspective-brickfloor.png", 0, 0, 512, 512, {5: 29.7, 256: 35.5, 500: 41.7}),
+    # the pier's width between its rails
+    "pier": Marks("perspective-pier.jpg", 415, 430, 605, 683, {450: 267, 563: 533, 677: 753}, rows_cross=False),
+    # widths of flowers, about ten at each row; shadows of trees rule the runs along rows
+    "anemones": Marks(
+        "perspective-anemones.jpg", 0, 95, 512, 307, {78: 2.3, 122: 3.0, 170: 3.7, 215: 5.3, 262: 7.0},
+        rows_cross=False,
+    ),
+}  # fmt: skip
+
+
+def figures(pictures: Path | None, textures: Path) -> Iterator[Figure]:
+    """Judge syntheses, which find the scale by themselves, by the marks."""
+    for name, marks in MARKED.items():
+        if not (textures / marks.file).is_file():
+            print(f"{name}: {marks.file} is not in {textures}: passed over", file=sys.stderr)
+            continue
+        yield from judged(name, marks.picture(textures), marks, pictures)
+
+
+def judged(name: str, exemplar: Array, marks: Marks, pictures: Path | None) -> Iterator[Figure]:
+    """Range of the scale found, and slope and source scale of results against the marks."""
+    told: list[str] = []
+    angles = estimate_angles(exemplar, ctx=Context(on_warning=told.append))  # the confidence is a figure below
+    if angles.confidence >= SURE:
+        found = scale_from_angles(exemplar, slant=angles.slant, tilt=angles.tilt)
+    else:
+        found = feature_scale(feature_mask(exemplar))
+    true = marks.scale()
+    width, height = 2 * exemplar.shape[1], 2 * exemplar.shape[0]
+    wanted, truth = (resize_scale(scale, width=width, height=height) for scale in (found, true))
+    ranges = [float(np.log(scale[0].mean() / scale[-1].mean())) for scale in (found, true)]
+    yield Figure(f"{name}: log range of scale found (reference: marked by hand)", ranges[0], "", ranges[1])
+    yield Figure(f"{name}: confidence of EstimateAngles", angles.confidence)
+    guided = [optimize(exemplar, found, wanted, rng=seed) for seed in SEEDS]
+    plain = [optimize(exemplar, width=width, height=height, scale_weight=0.0, rng=seed) for seed in SEEDS]
+    if marks.rows_cross:
+        own = scale_slope(exemplar, true)
+        for label, results, bound in (("result", guided, ">= 0.9"), ("plain optimisation", plain, "<= 0.2")):
+            slope = float(np.mean([scale_slope(result.image, truth) for result in results]))
+            yield Figure(f"{name}: slope of {label} over the exemplar's, by marks", slope / own, bound, 1.0)
+    correlations = [
+        float(np.mean([source_scale_correlation(result.source, [true], truth) for result in results]))
+        for results in (guided, plain)
+    ]
+    yield Figure(
+        f"{name}: correlation of wanted scale and source's, by marks", correlations[0], ">= 0.95", correlations[1]
+    )
+    if pictures is not None:
+        pictures.mkdir(parents=True, exist_ok=True)
+        shown = {"exemplar": exemplar, "result": guided[0].image, "plain": plain[0].image}
+        sheet = contact_sheet(list(shown.values()), columns=3, labels=list(shown))
+        save_image(sheet, pictures / f"marked-{name.replace(' ', '-')}.png")
