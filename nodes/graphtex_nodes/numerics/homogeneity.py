@@ -44,7 +44,7 @@ class _Fit:
     scale: Array
 
 
-def receding_plane(picture: Array, usable: Array | None, work: Work) -> Recession | None:
+def receding_plane(channels: Array, usable: Array | None, work: Work) -> Recession | None:
     """Find the plane on which local spectra are most alike; None if fewer than six windows can be compared.
 
     A texture that is homogeneous on a plane has one spectrum P there, whatever it is; at a place of the picture where
@@ -53,13 +53,14 @@ def receding_plane(picture: Array, usable: Array | None, work: Work) -> Recessio
     differences between neighbours). The deviation is the mean square of log power from the mean of its bin, cut at a
     cap, after a gain for each window. Foreshortening by the slant is a part of P, so elements need not be round.
 
-    The search is a coarse grid, then Nelder & Mead's simplex. Then spectra are taken once more, from windows that are
-    rectangles on the plane just found: with square windows of the picture, which hold more texels where these are
-    small, the plane comes out too flat. More turns would add up what each has of noise.
+    The picture has channels (n, h, w), each of mean 0 and variance 1. The search is a coarse grid, then Nelder & Mead's
+    simplex. Then spectra are taken once more, from windows that are rectangles on the plane just found: with square
+    windows of the picture, which hold more texels where these are small, the plane comes out too flat. More turns would
+    add up what each has of noise.
     """
     from scipy.optimize import minimize
 
-    height, width = picture.shape
+    height, width = channels.shape[1:]
     reach = max(height, width) / 2
     best = np.zeros(2)
     spectra: LocalSpectra | None = None
@@ -85,7 +86,7 @@ def receding_plane(picture: Array, usable: Array | None, work: Work) -> Recessio
         work.progress(0.1 + 0.8 * turn / ROUNDS, "comparing windows")
         plane = plane_of(best)
         assert plane is not None
-        found = local_spectra(picture, plane, usable, work)
+        found = local_spectra(channels, plane, usable, work)
         if found.count < 6:
             break  # too steep a plane leaves no windows: what was found before stays
         spectra = found

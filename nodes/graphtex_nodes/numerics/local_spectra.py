@@ -52,23 +52,24 @@ class LocalSpectra:
         return len(self.x)
 
 
-def local_spectra(picture: Array, plane: Plane, usable: Array | None, work: Work) -> LocalSpectra:
-    """Power spectra of windows all over a picture (h, w) of variance 1, as they are on a plane.
+def local_spectra(channels: Array, plane: Plane, usable: Array | None, work: Work) -> LocalSpectra:
+    """Power spectra of windows all over a picture, as they are on a plane.
 
     Each window is a rectangle on the plane, its picture resampled by the plane's perspective; so if the plane is right,
     texels have one size inside of a window, and windows hold equally many of them. Windows keep within the picture, and
-    at least nine tenths of each within `usable`.
+    at least nine tenths of each within `usable`. The picture has channels (n, h, w) of variance 1, whose powers are
+    averaged: the more of them, the less noise.
     """
     from scipy import fft
     from scipy.ndimage import gaussian_filter, map_coordinates
 
-    side = min(picture.shape) / 4
+    side = min(plane.width, plane.height) / 4
     grid = int(np.clip(side, 16, LARGEST_GRID))
     taper = np.outer(np.hanning(grid + 2)[1:-1], np.hanning(grid + 2)[1:-1])
     taper /= np.sqrt((taper**2).sum())
     steps = (np.arange(grid) - (grid - 1) / 2) / grid
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
-    blurred = [picture, *(gaussian_filter(picture, blur, mode="nearest") for blur in BLURS[1:])]
+    blurred = [channels, *(gaussian_filter(channels, (0, blur, blur), mode="nearest") for blur in BLURS[1:])]
     places, parts = [], []
     for number, (across, along) in enumerate(_middles(plane, side)):
         work.check()
@@ -82,11 +83,13 @@ def local_spectra(picture: Array, plane: Plane, usable: Array | None, work: Work
         # pixels of the picture between samples; the picture is blurred before it is sampled more coarsely than that
         stride = float(np.max(size / grid * [scale, scale**2]))
         level = int(np.argmin(np.abs(np.array(BLURS) - 0.45 * np.sqrt(max(stride**2 - 1, 0)))))
-        patch = map_coordinates(blurred[level], [y, x], order=1, mode="nearest").reshape(grid, grid)
-        patch = (patch - (patch * taper**2).sum()) * taper
         step = size / grid
-        # twice as fine as the window's own resolution, then smoothed to about that
-        spectrum = np.abs(fft.fft2(patch, (2 * grid, 2 * grid))) ** 2 * (step[0] * step[1])
+        spectrum = np.zeros((2 * grid, 2 * grid))
+        for channel in blurred[level]:
+            patch = map_coordinates(channel, [y, x], order=1, mode="nearest").reshape(grid, grid)
+            patch = (patch - (patch * taper**2).sum()) * taper
+            # twice as fine as the window's own resolution, then smoothed to about that
+            spectrum += np.abs(fft.fft2(patch, spectrum.shape)) ** 2 * (step[0] * step[1] / len(channels))
         spectrum = gaussian_filter(fft.fftshift(spectrum), 2.0, mode="wrap")
         u, v = _plane_frequencies(side, size, number)
         k_across, k_along = _picture_frequencies(plane, across, scale, u, v)

@@ -1,4 +1,4 @@
-"""One channel that shows most of what a picture shows."""
+"""Few channels that show most of what a picture shows."""
 
 from typing import Any
 
@@ -10,14 +10,24 @@ Array = NDArray[Any]
 
 def principal_channel(image: Array) -> Array:
     """Values (h, w), float64, mean 0, along the direction of largest variance of the colours; brighter is larger."""
+    first: Array = principal_channels(image, 1.0)[0]
+    return first
+
+
+def principal_channels(image: Array, least: float) -> Array:
+    """Principal components of the colours, (n, h, w), float64, mean 0, the largest variance first; brighter is larger.
+
+    Components of less than `least` times the largest variance are left out.
+    """
     colours = image.astype(np.float64)
     colours = colours - colours.mean(axis=(0, 1))  # filters that should ignore a constant do so but for rounding
     if colours.shape[2] == 1:
-        only: Array = colours[..., 0]
+        only: Array = colours[..., 0][None]
         return only
     # einsum adds in one order, whatever the number of threads: a mask must not depend on it
     covariance = np.einsum("hwc,hwd->cd", colours, colours, optimize=False)
-    axis = np.linalg.eigh(covariance)[1][:, -1]
-    axis = axis if axis.sum() >= 0 else -axis
-    result: Array = np.einsum("hwc,c->hw", colours, axis, optimize=False)
+    variances, axes = np.linalg.eigh(covariance)
+    kept = axes.T[::-1][variances[::-1] >= least * variances[-1]]
+    kept = np.where(kept.sum(axis=1, keepdims=True) >= 0, kept, -kept)
+    result: Array = np.einsum("hwc,nc->nhw", colours, kept, optimize=False)
     return result

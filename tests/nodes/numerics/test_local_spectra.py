@@ -31,7 +31,7 @@ def test_a_wave_on_the_plane_has_one_frequency_there():
     u, v = PLANE.to_plane(*PLANE.rotate(x, y))
     wave = np.array([0.10, 0.07])
     picture = np.sqrt(2) * np.cos(2 * np.pi * (u * wave[0] + v * wave[1]))
-    spectra = local_spectra(picture, PLANE, None, Quiet())
+    spectra = local_spectra(picture[None], PLANE, None, Quiet())
     across, along = PLANE.rotate(spectra.x, spectra.y)
     sin, cos = np.sin(np.radians(35.0)), np.cos(np.radians(35.0))
     for window in range(spectra.count):
@@ -50,8 +50,8 @@ def test_windows_keep_to_what_is_usable():
     usable = np.zeros((160, 200), bool)
     usable[:, 100:] = True
     noise = np.random.default_rng(0).standard_normal((160, 200))
-    spectra = local_spectra(noise, PLANE, usable, Quiet())
-    assert 0 < spectra.count < local_spectra(noise, PLANE, None, Quiet()).count
+    spectra = local_spectra(noise[None], PLANE, usable, Quiet())
+    assert 0 < spectra.count < local_spectra(noise[None], PLANE, None, Quiet()).count
     assert spectra.x.min() > 100
 
 
