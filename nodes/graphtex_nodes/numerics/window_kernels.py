@@ -9,28 +9,71 @@ from graphtex_nodes.numerics.jit import kernel
 
 @kernel("const f4[:,:], f8[:,:], i8, i8", fastmath={"contract"})
 def add_products(samples, total, first, stop):
-    """total += samples^T samples for the rows ``first <= row < stop`` of total (lower triangle)."""
+    """total += samples^T samples for the rows ``first <= row < stop`` of total (lower triangle).
+
+    Four samples at a time share each load of total: their number must be a multiple of four.
+    """
     for row in range(first, stop):
-        for index in range(samples.shape[0]):
-            value = float(samples[index, row])
+        sums = total[row]
+        for index in range(0, samples.shape[0], 4):
+            one, two, three, four = samples[index], samples[index + 1], samples[index + 2], samples[index + 3]
+            a, b, c, d = float(one[row]), float(two[row]), float(three[row]), float(four[row])
             for column in range(row + 1):
-                total[row, column] += value * samples[index, column]
+                sums[column] += a * one[column] + b * two[column] + c * three[column] + d * four[column]
+
+
+@kernel("const f8[:,:], f8[:,:], f8[:], i8", fastmath={"contract", "reassoc", "nsz"})
+def iterate(covariance, rows, variances, rounds):
+    """Orthogonal iteration: multiply rows by the covariance and make them orthonormal, some rounds long.
+
+    ``rows`` (k, n) become the leading directions; ``variances`` (k) are written, those along them. Rows that vanish
+    (modified Gram-Schmidt leaves next to nothing of them) become 0 with the variance 0.
+    """
+    count, size = rows.shape
+    products = np.empty((count, size))
+    for number in range(rounds + 1):
+        if number > 0:
+            rows[:] = products
+        # the last time twice: rounding left rows of unlike size a little aslant
+        for _ in range(1 + (number == rounds)):
+            lengths = np.empty(count)
+            for k in range(count):
+                lengths[k] = np.sum(rows[k] * rows[k])
+            for k in range(count):
+                row = rows[k]
+                length = np.sum(row * row)
+                keep = length > 1e-20 * lengths[k]
+                row *= 1 / np.sqrt(length) if keep else 0.0
+                for later in range(k + 1, count):
+                    other = rows[later]
+                    other -= np.sum(other * row) * row
+        products[:] = 0
+        for k in range(count):
+            for i in range(size):
+                value = rows[k, i]
+                for j in range(size):
+                    products[k, j] += value * covariance[i, j]
+    for k in range(count):
+        variances[k] = np.sum(rows[k] * products[k])
 
 
 @kernel(
-    "const f4[:,:], i8, i8, i8, const f4[:,:], const f4[:], const u1[:,:], f4[:,:,:], i8, i8",
+    "const f4[:,:], i8, i8, i8, i8, const f4[:,:], const f4[:], const u1[:,:], f4[:,:,:], i8, i8",
     fastmath={"contract", "reassoc", "nsz"},
 )
-def project(image, channels, window, step, basis, offset, wanted, out, first, stop):
+def project(image, channels, window, spacing, step, basis, offset, wanted, out, first, stop):
     """Coordinates of windows in a basis.
 
     ``image`` is (h, w * channels), ``basis`` (k, window * window * channels), ``offset`` (k): what to subtract, the
     coordinates of the mean. ``out`` (rows, columns, k): the window whose corner is at (step * row, step * column).
+    A window takes each ``spacing``-th pixel of each ``spacing``-th row; each row of the image holds such pixels side by
+    side, first those from pixel 0 on, then those from pixel 1 on, and so forth.
     Four windows and two directions at a time share each load, so k must be even. Fours of windows of which none is
     ``wanted`` (rows, columns) are left out.
     """
     span = window * channels
     size = window * span
+    across = image.shape[1] // spacing
     windows = np.zeros((4, size), np.float32)
     one, two, three, four = windows[0], windows[1], windows[2], windows[3]
     for row in range(first, stop):
@@ -39,10 +82,11 @@ def project(image, channels, window, step, basis, offset, wanted, out, first, st
             if not np.any(wanted[row, column : column + count]):
                 continue
             for number in range(count):
-                start = (column + number) * step * channels
+                place = (column + number) * step
+                start = place % spacing * across + place // spacing * channels
                 for y in range(window):
                     for t in range(span):
-                        windows[number, y * span + t] = image[row * step + y, start + t]
+                        windows[number, y * span + t] = image[row * step + y * spacing, start + t]
             for k in range(0, basis.shape[0], 2):
                 left = basis[k]
                 right = basis[k + 1]

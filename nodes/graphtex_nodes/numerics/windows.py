@@ -43,11 +43,16 @@ class Grid:
 
 @dataclass(frozen=True)
 class Basis:
-    """Directions (n * n * c, k) in which windows vary, and the coordinates (k,) of the mean window."""
+    """Directions (n * n * c, k) in which windows vary, and the coordinates (k,) of the mean window.
+
+    n is ``window`` / ``pool``: windows are seen as means of blocks of ``pool`` x ``pool`` pixels, times ``pool``, so that
+    distances are those of windows that are constant on each block.
+    """
 
     window: int
     directions: Array
     mean: Array
+    pool: int = 1
 
     def project(self, image: Array, step: int, work: Work, wanted: NDArray[np.bool_] | None = None) -> Array:
         """Coordinates (rows, columns, k) of the windows of an image (h, w, c) at multiples of ``step``.
@@ -58,11 +63,16 @@ class Basis:
         shape = ((height - self.window) // step + 1, (width - self.window) // step + 1, self.mean.size)
         out = np.zeros(shape, np.float32)
         flags = (np.ones(shape[:2], bool) if wanted is None else np.ascontiguousarray(wanted)).view(np.uint8)
-        flat = np.ascontiguousarray(image).reshape(height, width * channels)
+        pooled = _pooled(image, self.pool)
+        pooled = np.pad(pooled, ((0, 0), (0, -pooled.shape[1] % self.pool), (0, 0)))
+        flat = np.concatenate([pooled[:, first :: self.pool] for first in range(self.pool)], axis=1)
+        flat = flat.reshape(len(flat), -1)
         rows = np.ascontiguousarray(self.directions.T)
 
         def band(first: int, stop: int) -> None:
-            window_kernels.project(flat, channels, self.window, step, rows, self.mean, flags, out, first, stop)
+            window_kernels.project(
+                flat, channels, self.window // self.pool, self.pool, step, rows, self.mean, flags, out, first, stop
+            )  # fmt: skip
 
         for_rows(band, shape[0], shape[1] * self.directions.size / 8, work)
         return out
@@ -96,29 +106,33 @@ def principal_basis(
     orthogonal iteration without BLAS or LAPACK, whose results change with the number of threads.
     """
     channels = image.shape[2]
+    pool = max(_pool(window, part.stop - part.start) for part, _ in groups)
+    side = window // pool
     relative = np.ones(channels, np.float32) if weights is None else np.array(weights, np.float32)
-    samples = _sample(image, window, allowed)
+    samples = _sample(_pooled(image, pool), side, pool, allowed)
     mean = samples.mean(axis=0, dtype=np.float64)
     kept: list[NDArray[np.float64]] = []
     for group, share in groups:
         part = (samples[:, :, :, group] - mean[:, :, group].astype(np.float32)) * relative[group]
-        pool = _pool(window, part.shape[3])
-        part = _pooled(part, pool).reshape(len(samples), -1)
+        part = np.ascontiguousarray(part.reshape(len(part), -1))
+        part = np.pad(part, ((0, -len(part) % 4), (0, 0)))
         total = np.zeros((part.shape[1], part.shape[1]))
-        work.check()
-        window_kernels.add_products(part, total, 0, len(total))
+
+        def band(first: int, stop: int, part: Array = part, total: NDArray[np.float64] = total) -> None:
+            window_kernels.add_products(part, total, first, stop)
+
+        for_rows(band, len(total), len(total) * len(part) / 8, work)
         total = np.tril(total) + np.tril(total, -1).T
-        covariance = total / len(part)
+        covariance = total / len(samples)
         leading = evened(leading_directions(covariance, variance), covariance, share)
-        blocks = leading.reshape(window // pool, window // pool, -1, leading.shape[1]) / pool
-        spread = np.zeros((window, window, channels, leading.shape[1]))
-        spread[:, :, group] = blocks.repeat(pool, axis=0).repeat(pool, axis=1) * relative[group, None]
+        spread = np.zeros((side, side, channels, leading.shape[1]))
+        spread[:, :, group] = leading.reshape(side, side, -1, leading.shape[1]) * relative[group, None]
         kept.append(spread.reshape(-1, leading.shape[1]))
     directions = np.concatenate(kept, axis=1)
-    padding = -directions.shape[1] % 4  # whole vectors of four: faster, and zeros change no distance
+    padding = -directions.shape[1] % 8  # whole vectors: faster, and zeros change no distance
     directions = np.pad(directions, ((0, 0), (0, padding)))
     offset = (mean.reshape(-1, 1) * directions).sum(axis=0)
-    return Basis(window, np.ascontiguousarray(directions, np.float32), offset.astype(np.float32))
+    return Basis(window, np.ascontiguousarray(directions, np.float32), offset.astype(np.float32), pool)
 
 
 def _pool(window: int, channels: int) -> int:
@@ -129,17 +143,21 @@ def _pool(window: int, channels: int) -> int:
     return pool
 
 
-def _pooled(samples: Array, pool: int) -> Array:
-    """Windows (n, w, w, c) in the orthonormal basis of constant blocks: (n, w / pool, w / pool, c)."""
-    count, window, _, channels = samples.shape
-    size = window // pool
-    blocks = samples.reshape(count, size, pool, size, pool, channels)
-    return np.ascontiguousarray(blocks.sum(axis=(2, 4)) / np.float32(pool))
+def _pooled(image: Array, pool: int) -> Array:
+    """Sums over the block of pool x pixels from each pixel on, over pool: coordinates in constant blocks of length 1."""
+    if pool == 1:
+        return np.ascontiguousarray(image)
+    for axis in (0, 1):
+        lines = np.moveaxis(image, axis, 0)
+        count = len(lines) - pool + 1
+        image = np.moveaxis(np.sum([lines[start : start + count] for start in range(pool)], axis=0), 0, axis)
+    return np.ascontiguousarray(image / np.float32(pool))
 
 
-def _sample(image: Array, window: int, allowed: NDArray[np.bool_] | None) -> Array:
-    """At most about ``SAMPLES`` windows (n, window, window, c), spread evenly and aperiodically."""
-    views = np.lib.stride_tricks.sliding_window_view(image, (window, window), axis=(0, 1))
+def _sample(image: Array, side: int, spacing: int, allowed: NDArray[np.bool_] | None) -> Array:
+    """At most about ``SAMPLES`` windows (n, side, side, c) of each spacing-th pixel, spread evenly and aperiodically."""
+    reach = (side - 1) * spacing + 1
+    views = np.lib.stride_tricks.sliding_window_view(image, (reach, reach), axis=(0, 1))[..., ::spacing, ::spacing]
     rows, columns = views.shape[:2]
     total = rows * columns if allowed is None else int(np.count_nonzero(allowed))
     count = min(total, SAMPLES)
@@ -158,20 +176,18 @@ def leading_directions(
     eigenvectors themselves unless there are many rounds: distances within their span are the same.
     """
     size = len(covariance)
-    columns = min(size, largest)
+    count = min(size, largest)
     trace = float(np.trace(covariance))
     order = np.argsort(-np.diag(covariance), kind="stable")
-    basis = np.zeros((size, columns))
-    basis[order[:columns], np.arange(columns)] = 1.0
-    basis += np.cos(np.outer(np.arange(1, size + 1), np.arange(1, columns + 1)) * 2.399963) / size
+    rows = np.cos(np.outer(np.arange(1, count + 1), np.arange(1, size + 1)) * 2.399963) / size
+    rows[np.arange(count), order[:count]] += 1.0
+    variances = np.zeros(count)
+    window_kernels.iterate(np.ascontiguousarray(covariance), rows, variances, rounds if trace > 0 else 0)
     if trace <= 0:
-        return _orthonormal(basis[:, :1])
-    for _ in range(rounds):
-        basis = _orthonormal(np.einsum("ij,jk->ik", covariance, basis))
-    basis = _orthonormal(basis)  # a second time: rounding left columns of unlike size a little aslant
-    kept = (basis * np.einsum("ij,jk->ik", covariance, basis)).sum(axis=0)
-    share = np.cumsum(kept) / trace
-    return basis[:, : int(np.searchsorted(share, variance)) + 1]
+        return rows[:1].T
+    rows, variances = rows[variances > 0], variances[variances > 0]
+    share = np.cumsum(variances) / trace
+    return np.ascontiguousarray(rows[: int(np.searchsorted(share, variance)) + 1].T)
 
 
 def evened(columns: NDArray[np.float64], covariance: NDArray[np.float64], share: float) -> NDArray[np.float64]:
@@ -187,18 +203,3 @@ def evened(columns: NDArray[np.float64], covariance: NDArray[np.float64], share:
     gains *= np.sqrt(variances.sum() / (variances * gains**2).sum())
     result: NDArray[np.float64] = columns * gains
     return result
-
-
-def _orthonormal(columns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Modified Gram-Schmidt; columns that vanish are left out."""
-    rest = columns.T.copy()
-    sizes = np.sqrt((rest * rest).sum(axis=1))
-    kept = []
-    for index, row in enumerate(rest):
-        size = np.sqrt((row * row).sum())
-        if size > 1e-10 * sizes[index] and size > 0:
-            row /= size
-            kept.append(index)
-            later = rest[index + 1 :]
-            later -= (later * row).sum(axis=1)[:, None] * row
-    return np.ascontiguousarray(rest[kept].T)

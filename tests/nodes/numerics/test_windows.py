@@ -52,13 +52,18 @@ def test_basis_keeps_distances():
 
 
 def test_large_windows_are_pooled():
-    """16 x 16 x 3 is over the limit: directions are constant on blocks of 2 x 2, and orthonormal."""
-    image = RNG.random((40, 40, 3)).astype(np.float32)
-    directions = principal_basis(image, 16, [(slice(0, 3), 0.0)], 0.5, Quiet()).directions
-    blocks = directions.reshape(8, 2, 8, 2, 3, -1)
-    np.testing.assert_array_equal(blocks[:, 0, :, 0], blocks[:, 1, :, 1])
-    kept = directions[:, np.abs(directions).sum(axis=0) > 0]
+    """16 x 16 x 3 is over the limit: coordinates are those of windows whose blocks of 2 x 2 are replaced by their mean."""
+    image = RNG.random((40, 41, 3)).astype(np.float32)
+    basis = principal_basis(image, 16, [(slice(0, 3), 0.0)], 0.5, Quiet())
+    kept = basis.directions[:, np.abs(basis.directions).sum(axis=0) > 0]
     np.testing.assert_allclose(kept.T @ kept, np.eye(kept.shape[1]), atol=1e-5)
+    blocks = image[3:19, 5:21].reshape(8, 2, 8, 2, 3)
+    means = blocks.mean(axis=(1, 3), keepdims=True)
+    smooth = image.copy()
+    smooth[3:19, 5:21] = np.broadcast_to(means, blocks.shape).reshape(16, 16, 3)
+    found = basis.project(image, 1, Quiet())[3, 5]
+    np.testing.assert_allclose(found, basis.project(smooth, 1, Quiet())[3, 5], atol=1e-5)
+    np.testing.assert_allclose(found, 2 * means.ravel() @ basis.directions - basis.mean, atol=1e-4)
 
 
 def test_constant_image():
