@@ -40,6 +40,27 @@ def apart(exemplar, usable, y, x, colour):
     return total
 
 
+@njit(inline="always")
+def meets(source, y, flags):
+    """Flag the pixels of row y of which one of the four neighbours belongs to another piece."""
+    height, width = source.shape[0], source.shape[1]
+    here = source[y]
+    above = source[max(0, y - 1)]
+    below = source[min(height - 1, y + 1)]
+    up, down = int(y > 0), int(y < height - 1)
+    for x in range(width):
+        flags[x] = (
+            (above[x, 0] != here[x, 0] - up)
+            | (above[x, 1] != here[x, 1])
+            | (below[x, 0] != here[x, 0] + down)
+            | (below[x, 1] != here[x, 1])
+        )
+    for x in range(width - 1):
+        apart = (here[x + 1, 0] != here[x, 0]) | (here[x + 1, 1] != here[x, 1] + 1)
+        flags[x] |= apart
+        flags[x + 1] |= apart
+
+
 @kernel(
     "const f4[:,:,:], const u1[:,:], const f4[:,:,:], i4[:,:,:], f4, f4, i8, i8, i8",
     fastmath={"contract"},
@@ -54,20 +75,13 @@ def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop)
     continuation differs there.
     """
     height, width = source.shape[0], source.shape[1]
+    flags = np.empty(width, np.uint8)
     for y in range(first, stop):
+        meets(source, y, flags)
         for x in range((y + parity) % 2, width, 2):
             here_y = source[y, x, 0]
             here_x = source[y, x, 1]
-            if here_y < 0:
-                continue
-            whole = True
-            for side in range(4):
-                down = (side == 0) - (side == 1)
-                right = (side == 2) - (side == 3)
-                if 0 <= y + down < height and 0 <= x + right < width:
-                    whole &= source[y + down, x + right, 0] == here_y + down
-                    whole &= source[y + down, x + right, 1] == here_x + right
-            if whole:
+            if here_y < 0 or not flags[x]:
                 continue
             best = np.float32(-1)
             best_y = here_y
@@ -128,7 +142,15 @@ def fade_seams(exemplar, usable, source, falloff, image, first, stop):
     height, width = source.shape[0], source.shape[1]
     radius = falloff.shape[0] // 2
     channels = image.shape[2]
+    lines = np.empty((2 * radius + 1, width), np.uint8)
+    for y in range(max(0, first - radius), min(height, first + radius)):
+        meets(source, y, lines[y % len(lines)])
     for y in range(first, stop):
+        if y + radius < height:
+            meets(source, y + radius, lines[(y + radius) % len(lines)])
+        near = np.zeros(width + 2 * radius, np.uint8)
+        for line in range(max(0, y - radius), min(height, y + radius + 1)):
+            near[radius : radius + width] |= lines[line % len(lines)]
         for x in range(width):
             here_y = source[y, x, 0]
             here_x = source[y, x, 1]
@@ -137,6 +159,10 @@ def fade_seams(exemplar, usable, source, falloff, image, first, stop):
             for c in range(channels):
                 image[y, x, c] = 0
             if here_y < 0:
+                continue
+            if not np.any(near[x : x + 2 * radius + 1]):
+                for c in range(channels):
+                    image[y, x, c] = exemplar[here_y, here_x, c]
                 continue
             for down in range(-min(radius, y), min(radius, height - 1 - y) + 1):
                 for right in range(-min(radius, x), min(radius, width - 1 - x) + 1):
