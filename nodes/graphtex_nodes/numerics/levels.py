@@ -8,16 +8,20 @@ from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.frames import whole_windows
 from graphtex_nodes.numerics.pyramid import level_size, masked_pyramid
-from graphtex_nodes.numerics.structure import dominant_period
+from graphtex_nodes.numerics.structure import structure
 
 Array = NDArray[np.float32]
 
-WINDOWS = (16, 8)
-"""Sides of the windows: large ones keep the arrangement, small ones fit what large ones leave."""
+WINDOW = 8
+"""Side of the windows. On the coarsest level ones of twice that come before: what they see is an arrangement."""
 COARSEST = 16
-"""Least side of an exemplar on the coarsest level, two windows of 8 pixels."""
+"""Least side of an exemplar on the coarsest level, two windows."""
 RESOLVED = 2.0
 """Pixels that a period needs on the coarsest level: below, copies meet out of step there, and stay so."""
+SEEN = 6
+"""Distances over which pixels are related that a window of the coarsest level needs to see, and no more ..."""
+FEWEST = 3
+"""... but so many levels there are if the exemplar allows them."""
 SMALLEST = 4
 """Least side that an exemplar may have on the coarsest level when the user asks for more levels."""
 
@@ -41,13 +45,18 @@ def automatic_levels(exemplar: Array) -> int:
 
     As many as leave a side of :data:`COARSEST` pixels, so that windows see arrangements of half the exemplar: with
     fewer, large elements break and rare ones get lost. One less for a periodic exemplar whose period would not be
-    resolved on the coarsest level: there a window of 16 pixels sees the same half of the exemplar, twice as sharp.
+    resolved on the coarsest level: there a window of twice the side sees the same half of the exemplar, twice as sharp.
+    And no more than the exemplar's structure needs: where pixels are related over short distances only, as in grass,
+    coarser levels arrange nothing and make pieces large, which then repeat.
     """
     side = min(exemplar.shape[:2])
     levels = 1
     while level_size(side, levels) >= COARSEST:
         levels += 1
-    if levels > 1 and 0 < dominant_period(exemplar) < RESOLVED * 2 ** (levels - 1):
+    period, reach = structure(exemplar)
+    if levels > 1 and 0 < period < RESOLVED * 2 ** (levels - 1):
+        levels -= 1
+    while levels > FEWEST and WINDOW * 2 ** (levels - 2) >= SEEN * reach:
         levels -= 1
     return levels
 
@@ -63,17 +72,19 @@ def most_levels(shape: Sequence[int]) -> int:
 def stages(shape: Sequence[int], levels: int, windows: Sequence[int], iterations: int) -> list[Stage]:
     """What to do in order: levels from coarse to fine, on each the windows from large to small.
 
-    The finest level has ``iterations`` and each coarser one two more, at most 12, shared among its windows. The finest
-    level uses the smallest window alone. A window is at most half the exemplar's smaller side on its level.
+    Without ``windows`` they are those of :data:`WINDOW`. The finest level has ``iterations`` and each coarser one one
+    more, at most 12, shared among its windows. The finest level uses the smallest window alone. A window is at most
+    half the exemplar's smaller side on its level.
     """
     result = []
     for level in range(levels - 1, -1, -1):
         side = min(level_size(shape[0], level), level_size(shape[1], level))
         largest = max(side // 2, min(side, SMALLEST))
-        sizes = sorted({min(window, largest) for window in windows}, reverse=True)
+        chosen = windows or ((2 * WINDOW, WINDOW) if level == levels - 1 else (WINDOW,))
+        sizes = sorted({min(window, largest) for window in chosen}, reverse=True)
         if level == 0 and levels > 1:
             sizes = sizes[-1:]
-        count = min(max(12, iterations), iterations + 2 * level)
+        count = min(max(12, iterations), iterations + level)
         result += [Stage(level, size, -(-count // len(sizes))) for size in sizes]
     return result
 
@@ -91,7 +102,7 @@ def plan(
     most = most_levels(exemplar.shape)
     if levels > most:
         raise ValueError(f"levels: expected at most {most} for an exemplar of shape {exemplar.shape}, got {levels}")
-    result = stages(exemplar.shape, levels or automatic_levels(exemplar), windows or WINDOWS, iterations)
+    result = stages(exemplar.shape, levels or automatic_levels(exemplar), windows, iterations)
     if usable is None:
         return result
     masks = masked_pyramid(usable.astype(np.float32), usable, result[0].level + 1)[1]

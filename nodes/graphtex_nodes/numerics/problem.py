@@ -37,7 +37,7 @@ class Settings:
     """
 
     exponent: float = 0.8
-    histogram: float = 8.0
+    histogram: float = 20.0
     evenness: float = 1.0
     variance: float = 0.95
     detail: float = 0.3

@@ -40,48 +40,52 @@ def apart(exemplar, usable, y, x, colour):
     return total
 
 
-@njit(inline="always")
-def meets(source, y, flags):
-    """Flag the pixels of row y of which one of the four neighbours belongs to another piece."""
+@kernel("const i4[:,:,:], u1[:,:], i8, i8")
+def mark_seams(source, flags, first, stop):
+    """Flag (h, w) the pixels of which one of the four neighbours belongs to another piece."""
     height, width = source.shape[0], source.shape[1]
-    here = source[y]
-    above = source[max(0, y - 1)]
-    below = source[min(height - 1, y + 1)]
-    up, down = int(y > 0), int(y < height - 1)
-    for x in range(width):
-        flags[x] = (
-            (above[x, 0] != here[x, 0] - up)
-            | (above[x, 1] != here[x, 1])
-            | (below[x, 0] != here[x, 0] + down)
-            | (below[x, 1] != here[x, 1])
-        )
-    for x in range(width - 1):
-        apart = (here[x + 1, 0] != here[x, 0]) | (here[x + 1, 1] != here[x, 1] + 1)
-        flags[x] |= apart
-        flags[x + 1] |= apart
+    for y in range(first, stop):
+        here = source[y]
+        above = source[max(0, y - 1)]
+        below = source[min(height - 1, y + 1)]
+        up, down = int(y > 0), int(y < height - 1)
+        line = flags[y]
+        for x in range(width):
+            line[x] = (
+                (above[x, 0] ^ (here[x, 0] - up))
+                | (above[x, 1] ^ here[x, 1])
+                | (below[x, 0] ^ (here[x, 0] + down))
+                | (below[x, 1] ^ here[x, 1])
+            ) != 0
+        for x in range(width - 1):
+            apart = ((here[x + 1, 0] ^ here[x, 0]) | (here[x + 1, 1] ^ (here[x, 1] + 1))) != 0
+            line[x] |= apart
+            line[x + 1] |= apart
 
 
 @kernel(
-    "const f4[:,:,:], const u1[:,:], const f4[:,:,:], i4[:,:,:], f4, f4, i8, i8, i8",
+    "const f4[:,:,:], const u1[:,:], const f4[:,:,:], i4[:,:,:], u1[:,:], f4, f4, i8, i8, i8",
     fastmath={"contract"},
 )
-def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop):
+def move_seams(exemplar, usable, image, source, changed, pull, join, parity, first, stop):
     """Let each pixel of one chequerboard colour take over the piece of one of its four neighbours if that costs less.
 
     The cost of a source is ``pull`` times its squared difference from ``image`` plus, for each neighbour of another
     piece, the squared colour differences of both pieces at both pixels (Kwatra et al. 2003, eq. 1) and ``join``.
     Neighbours have the other colour of the chequerboard: nothing that is read is written in the same pass.
     A negative source marks a known pixel, which stays as ``image`` has it: beside it a piece pays for how its own
-    continuation differs there.
+    continuation differs there. Only pixels are looked at that ``changed`` (h, w) marks: those with a neighbour that
+    moved since they were looked at last.
     """
     height, width = source.shape[0], source.shape[1]
-    flags = np.empty(width, np.uint8)
     for y in range(first, stop):
-        meets(source, y, flags)
         for x in range((y + parity) % 2, width, 2):
+            if not changed[y, x]:
+                continue
+            changed[y, x] = 0
             here_y = source[y, x, 0]
             here_x = source[y, x, 1]
-            if here_y < 0 or not flags[x]:
+            if here_y < 0:
                 continue
             best = np.float32(-1)
             best_y = here_y
@@ -124,33 +128,36 @@ def move_seams(exemplar, usable, image, source, pull, join, parity, first, stop)
                     best = cost
                     best_y = cy
                     best_x = cx
+            if best_y == here_y and best_x == here_x:
+                continue
             source[y, x, 0] = best_y
             source[y, x, 1] = best_x
+            for side in range(4):
+                down = (side == 0) - (side == 1)
+                right = (side == 2) - (side == 3)
+                if 0 <= y + down < height and 0 <= x + right < width:
+                    changed[y + down, x + right] = 1
 
 
 @kernel(
-    "const f4[:,:,:], const u1[:,:], const i4[:,:,:], const f4[:,:], f4[:,:,:], i8, i8",
+    "const f4[:,:,:], const u1[:,:], const i4[:,:,:], const u1[:,:], const f4[:,:], f4[:,:,:], i8, i8",
     fastmath={"contract"},
 )
-def fade_seams(exemplar, usable, source, falloff, image, first, stop):
+def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
     """Mix the pieces that meet near a pixel, each continued up to it; inside a piece the exemplar's pixel is copied.
 
-    ``falloff`` (2 r + 1, 2 r + 1) are the weights of the pixels around. Unlike a blur, this keeps the detail of each
-    piece. Pieces that cannot be continued up to the pixel are left out. Only the channels of ``image`` are written;
-    those of known pixels, whose source is negative, become 0.
+    ``falloff`` (2 r + 1, 2 r + 1) are the weights of the pixels around, ``seams`` (h, w) the pixels beside a seam.
+    Unlike a blur, this keeps the detail of each piece. Pieces that cannot be continued up to the pixel are left out.
+    Only the channels of ``image`` are written; those of known pixels, whose source is negative, become 0.
     """
     height, width = source.shape[0], source.shape[1]
     radius = falloff.shape[0] // 2
     channels = image.shape[2]
-    lines = np.empty((2 * radius + 1, width), np.uint8)
-    for y in range(max(0, first - radius), min(height, first + radius)):
-        meets(source, y, lines[y % len(lines)])
+    near = np.zeros(width + 2 * radius, np.uint8)
     for y in range(first, stop):
-        if y + radius < height:
-            meets(source, y + radius, lines[(y + radius) % len(lines)])
-        near = np.zeros(width + 2 * radius, np.uint8)
+        near[:] = 0
         for line in range(max(0, y - radius), min(height, y + radius + 1)):
-            near[radius : radius + width] |= lines[line % len(lines)]
+            near[radius : radius + width] |= seams[line]
         for x in range(width):
             here_y = source[y, x, 0]
             here_x = source[y, x, 1]

@@ -71,16 +71,28 @@ def move_seams(
     differs from ``image`` there.
     """
     source, image = source.copy(), np.ascontiguousarray(image)
+    changed = seam_pixels(source, work)
     for _ in range(passes):
         for parity in (0, 1):
 
             def band(first: int, stop: int, parity: int = parity) -> None:
                 seam_kernels.move_seams(
-                    exemplar, usable, image, source, np.float32(pull), np.float32(join), parity, first, stop
+                    exemplar, usable, image, source, changed, np.float32(pull), np.float32(join), parity, first, stop
                 )
 
-            for_rows(band, source.shape[0], source.shape[1] * 60, work)
+            for_rows(band, source.shape[0], source.shape[1] * 20, work)
     return source
+
+
+def seam_pixels(source: Field, work: Work) -> NDArray[np.uint8]:
+    """1 where one of the four neighbours belongs to another piece (h, w)."""
+    flags = np.empty(source.shape[:2], np.uint8)
+
+    def band(first: int, stop: int) -> None:
+        seam_kernels.mark_seams(source, flags, first, stop)
+
+    for_rows(band, source.shape[0], source.shape[1], work)
+    return flags
 
 
 def fade_seams(
@@ -94,9 +106,10 @@ def fade_seams(
     line = np.exp(-2 * place**2)
     falloff = np.outer(line, line).astype(np.float32)
     image = np.empty((*source.shape[:2], channels), np.float32)
+    seams = seam_pixels(source, work)
 
     def band(first: int, stop: int) -> None:
-        seam_kernels.fade_seams(exemplar, usable, source, falloff, image, first, stop)
+        seam_kernels.fade_seams(exemplar, usable, source, seams, falloff, image, first, stop)
 
-    for_rows(band, source.shape[0], source.shape[1] * falloff.size * (3 + channels), work)
+    for_rows(band, source.shape[0], source.shape[1] * falloff.size * (3 + channels) / 5, work)
     return image

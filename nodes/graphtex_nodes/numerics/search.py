@@ -10,8 +10,8 @@ Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
-EXACT_LIMIT = 1e8
-"""Multiply-adds up to which a search over all windows is done instead of PatchMatch (about 0.05 s)."""
+EXACT_LIMIT = 2e7
+"""Multiply-adds up to which a search over all windows is done instead of PatchMatch (about 0.01 s)."""
 LIST_LIMIT = 4e9
 """Multiply-adds of the first search of all; beyond that it sees a regular part of the exemplar's windows."""
 
@@ -65,7 +65,8 @@ def search_warm(
 
     Departure: every window reads the field of the pass before (Jacobi) instead of its neighbours' new values, so the
     result does not depend on the order of the work. The distance over which good sources spread is made up for by jumps
-    that halve from pass to pass.
+    that halve from pass to pass. Squares of random places shrink by four instead of by two: from a good start that
+    finds as much in half the time.
     """
     rows, columns = field.shape[:2]
     costs = np.zeros((rows, columns), np.float32)

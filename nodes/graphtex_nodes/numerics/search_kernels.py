@@ -62,9 +62,9 @@ def search_near(windows, exemplar, charge, wanted, before, field, costs, step, j
     """One pass of PatchMatch in Jacobi form: reads the field ``before``, writes ``field``; the order does not matter.
 
     Candidates are the window's own source, the sources of the eight windows ``jump`` grid places away, shifted back,
-    and random places around the best, in squares whose half side falls from ``reach`` to 1. Random numbers are hashed
-    from the seed and the place. A window whose ``charge`` is infinite is never chosen. Windows that are not ``wanted``
-    (rows, columns) keep their source.
+    and random places around the best, in squares whose half side falls from ``reach`` by quarters. Random numbers are
+    hashed from the seed and the place. A window whose ``charge`` is infinite is never chosen. Windows that are
+    not ``wanted`` (rows, columns) keep their source.
     """
     height, width = exemplar.shape[0], exemplar.shape[1]
     rows, columns = before.shape[0], before.shape[1]
@@ -110,7 +110,7 @@ def search_near(windows, exemplar, charge, wanted, before, field, costs, step, j
                         best = cost
                         y = cy
                         x = cx
-                radius //= 2
+                radius //= 4
             field[row, column, 0] = y
             field[row, column, 1] = x
             costs[row, column] = best

@@ -1,4 +1,6 @@
-"""Size of what repeats in a texture."""
+"""How far a texture's structure reaches: what repeats in it, and up to which distance its pixels are related."""
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,49 +9,71 @@ Array = NDArray[np.float32]
 
 LARGEST = 256
 """Autocorrelation is measured on at most this many pixels a side: a larger picture's middle is enough."""
+STRENGTH = 0.3
+"""Autocorrelation that a repeat must reach."""
+RELATED = 0.1
+"""Root mean square of the autocorrelation at a distance from which on pixels count as related there."""
 
 
-def dominant_period(image: Array, strength: float = 0.3) -> float:
-    """Distance in pixels at which an image (h, w, c) repeats itself; 0 when it does not.
+class Structure(NamedTuple):
+    """Distances in pixels: at which an image repeats itself, and the longest at which its pixels are related."""
 
-    It is the distance of a local maximum of the autocorrelation (channels summed, a plane subtracted, each lag divided
-    by its overlap) that reaches ``strength``: the nearest of those within a fifth of the highest. Lags up to a third of
-    each side count.
+    period: float
+    reach: float
+
+
+def structure(image: Array) -> Structure:
+    """Measure the structure of an image (h, w, c) by its autocorrelation.
+
+    The channels' autocorrelations are summed, a plane subtracted before, and each lag divided by its overlap. Lags up
+    to a third of each side count. ``period`` is the distance of a local maximum that reaches :data:`STRENGTH`: the
+    nearest of those within a fifth of the highest; 0 when there is none. ``reach`` is the largest distance, in whole
+    pixels, at which pixels are :data:`RELATED`.
 
     Examples
     --------
     >>> wave = np.sin(np.arange(60, dtype=np.float32) * 2 * np.pi / 12)
-    >>> round(dominant_period(np.outer(wave, wave)[..., None]), 2)  # the nearest repeat is 6 down and 6 to the right
+    >>> found = structure(np.outer(wave, wave)[..., None])
+    >>> round(found.period, 2)  # the nearest repeat is 6 down and 6 to the right
     8.49
+    >>> found.reach  # no lags beyond a third of 60 pixels are looked at
+    19.0
     """
-    height, width = (min(LARGEST, side) for side in image.shape[:2])
-    if min(height, width) < 6:
-        return 0.0
-    top, left = (image.shape[0] - height) // 2, (image.shape[1] - width) // 2
-    part = image[top : top + height, left : left + width].astype(np.float64)
-    down = np.linspace(-1, 1, height)[:, None, None]
-    right = np.linspace(-1, 1, width)[None, :, None]
-    for slope in (down, right):
-        part = part - slope * (part * slope).mean(axis=(0, 1)) / (slope * slope).mean()
-    part = part - part.mean(axis=(0, 1))
-    shape = (2 * height, 2 * width)
-    power = (np.abs(np.fft.rfft2(part, shape, axes=(0, 1))) ** 2).sum(axis=2)
-    raw = np.fft.irfft2(power, shape)
-    if raw[0, 0] <= 1e-12 * part.size:
-        return 0.0
-    lag_y, lag_x = height // 3, width // 3
-    rows = np.arange(-lag_y - 1, lag_y + 2)
-    columns = np.arange(-lag_x - 1, lag_x + 2)
-    overlap = np.outer(height - np.abs(rows), width - np.abs(columns))
-    lags = raw[np.ix_(rows, columns)] / overlap * (height * width / raw[0, 0])
+    if min(image.shape[:2]) < 6:
+        return Structure(0.0, 0.0)
+    lags, rows, columns = _autocorrelation(image)
     inner = lags[1:-1, 1:-1]
-    peak = inner >= strength
+    peak = inner >= STRENGTH
     for y in range(3):
         for x in range(3):
             if (y, x) != (1, 1):
                 peak &= inner >= lags[y : y + inner.shape[0], x : x + inner.shape[1]]
     distance = np.hypot(*np.meshgrid(rows[1:-1], columns[1:-1], indexing="ij"))
     peak &= distance > 2
-    if not peak.any():
-        return 0.0
-    return float(distance[peak & (inner >= 0.8 * inner[peak].max())].min())
+    period = float(distance[peak & (inner >= 0.8 * inner[peak].max())].min()) if peak.any() else 0.0
+    ring = np.rint(distance).astype(np.intp)
+    power = np.bincount(ring.ravel(), inner.ravel() ** 2) / np.maximum(np.bincount(ring.ravel()), 1)
+    power = power[: min(rows[-1], columns[-1])]
+    return Structure(period, float(np.flatnonzero(power >= RELATED**2).max(initial=0)))
+
+
+def _autocorrelation(image: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.intp]]:
+    """Autocorrelation, 1 without lag (all 0 for a plane), and the rows and columns of its lags."""
+    from scipy.fft import irfft2, next_fast_len, rfft2
+
+    height, width = (min(LARGEST, side) for side in image.shape[:2])
+    top, left = (image.shape[0] - height) // 2, (image.shape[1] - width) // 2
+    part = image[top : top + height, left : left + width].astype(np.float64)
+    down = np.linspace(-1, 1, height)[:, None, None]
+    right = np.linspace(-1, 1, width)[None, :, None]
+    for slope in (down, right):
+        part = part - slope * (part * slope).mean(axis=(0, 1)) / (slope * slope).mean()
+    part = (part - part.mean(axis=(0, 1))).astype(np.float32)
+    rows, columns = (np.arange(-(side // 3) - 1, side // 3 + 2) for side in (height, width))
+    shape = tuple(next_fast_len(side + side // 3 + 1, real=True) for side in (height, width))
+    raw = irfft2((np.abs(rfft2(part, shape, axes=(0, 1))) ** 2).sum(axis=2), shape)
+    overlap = np.outer(height - np.abs(rows), width - np.abs(columns))
+    if raw[0, 0] <= 1e-12 * part.size:
+        return np.zeros(overlap.shape, np.float32), rows, columns
+    lags: Array = raw[np.ix_(rows, columns)] / overlap * (height * width / raw[0, 0])
+    return lags, rows, columns

@@ -45,8 +45,8 @@ class Grid:
 class Basis:
     """Directions (n * n * c, k) in which windows vary, and the coordinates (k,) of the mean window.
 
-    n is ``window`` / ``pool``: windows are seen as means of blocks of ``pool`` x ``pool`` pixels, times ``pool``, so that
-    distances are those of windows that are constant on each block.
+    n is ``window`` / ``pool``: windows are seen as means of blocks of ``pool`` x ``pool`` pixels, times ``pool``, so
+    that distances are those of windows that are constant on each block.
     """
 
     window: int
@@ -144,7 +144,7 @@ def _pool(window: int, channels: int) -> int:
 
 
 def _pooled(image: Array, pool: int) -> Array:
-    """Sums over the block of pool x pixels from each pixel on, over pool: coordinates in constant blocks of length 1."""
+    """Sums over pool x pool pixels from each pixel on, over pool: coordinates in constant blocks of length 1."""
     if pool == 1:
         return np.ascontiguousarray(image)
     for axis in (0, 1):
@@ -155,7 +155,7 @@ def _pooled(image: Array, pool: int) -> Array:
 
 
 def _sample(image: Array, side: int, spacing: int, allowed: NDArray[np.bool_] | None) -> Array:
-    """At most about ``SAMPLES`` windows (n, side, side, c) of each spacing-th pixel, spread evenly and aperiodically."""
+    """At most ``SAMPLES`` windows (n, side, side, c) of each spacing-th pixel, spread evenly and aperiodically."""
     reach = (side - 1) * spacing + 1
     views = np.lib.stride_tricks.sliding_window_view(image, (reach, reach), axis=(0, 1))[..., ::spacing, ::spacing]
     rows, columns = views.shape[:2]
@@ -179,7 +179,7 @@ def leading_directions(
     count = min(size, largest)
     trace = float(np.trace(covariance))
     order = np.argsort(-np.diag(covariance), kind="stable")
-    rows = np.cos(np.outer(np.arange(1, count + 1), np.arange(1, size + 1)) * 2.399963) / size
+    rows: NDArray[np.float64] = np.cos(np.outer(np.arange(1, count + 1), np.arange(1, size + 1)) * 2.399963) / size
     rows[np.arange(count), order[:count]] += 1.0
     variances = np.zeros(count)
     window_kernels.iterate(np.ascontiguousarray(covariance), rows, variances, rounds if trace > 0 else 0)

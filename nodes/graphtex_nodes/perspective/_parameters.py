@@ -16,7 +16,7 @@ Sides = Annotated[
 Levels = Annotated[int, Field(ge=0, le=12, description="levels of the pyramid; 0 chooses them from the exemplar")]
 Windows = Annotated[
     tuple[Annotated[int, Field(ge=2, le=64)], ...],
-    Field(max_length=4, description="sides of the windows in pixels; none chooses 16 and 8"),
+    Field(max_length=4, description="sides of the windows in pixels; none chooses"),
 ]
 Iterations = Annotated[int, Field(ge=1, le=50, description="iterations on the finest level; coarser ones have more")]
 ScaleWeight = Annotated[

@@ -70,7 +70,7 @@ def optimize(
     windows: Windows = (),
     iterations: Iterations = 4,
     exponent: Exponent = 0.8,
-    histogram: Gain = 8.0,
+    histogram: Gain = 20.0,
     evenness: Evenness = 1.0,
     variance: Variance = 0.95,
     detail: Detail = 0.3,
@@ -135,9 +135,10 @@ def optimize(
         leaves the fading out: the source map replays exactly. ``mean`` is the paper's weighted mean.
     levels, windows
         By themselves: as many levels as leave 16 pixels of the exemplar's smaller side, less where a period would no
-        longer be seen; windows of 16 and 8 pixels on coarse levels and 8 on the finest.
+        longer be seen and where pixels are related over short distances only; windows of 8 pixels, on the coarsest
+        level before them of 16.
     iterations
-        On the finest level; each coarser one has two more, at most 12.
+        On the finest level; each coarser one has one more, at most 12.
     exponent, histogram, evenness, variance, detail
         r of the energy; gain of histogram matching; charge for windows used more often than others of their scale, in
         mean distances; share of variance that PCA keeps, for colours and scale apart; how far its components of colour

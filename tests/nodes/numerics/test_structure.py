@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from graphtex_nodes.numerics.levels import automatic_levels, most_levels, stages
-from graphtex_nodes.numerics.structure import dominant_period
+from graphtex_nodes.numerics.structure import structure
 
 NOISE = np.random.default_rng(0).random((128, 128, 1)).astype(np.float32)
 
@@ -15,22 +15,30 @@ def chequers(period, size=128):
 @pytest.mark.parametrize("period", [8, 12, 20])
 def test_period_of_chequers(period):
     """The nearest repeat of chequers lies along the diagonal."""
-    assert dominant_period(chequers(period)) == pytest.approx(period / 2**0.5, abs=0.5)
+    assert structure(chequers(period)).period == pytest.approx(period / 2**0.5, abs=0.5)
 
 
 def test_period_survives_noise_and_shading():
     shading = np.linspace(0, 4, 128, dtype=np.float32)[:, None, None]
-    assert dominant_period(chequers(20) + shading + NOISE) == pytest.approx(20 / 2**0.5, abs=1)
+    assert structure(chequers(20) + shading + NOISE).period == pytest.approx(20 / 2**0.5, abs=1)
 
 
 @pytest.mark.parametrize("image", [NOISE, NOISE[:5], np.ones((64, 64, 3), np.float32)])
 def test_no_period(image):
-    assert dominant_period(image) == 0
+    assert structure(image).period == 0
 
 
-@pytest.mark.parametrize(("image", "levels"), [(NOISE, 4), (chequers(16), 3), (chequers(40), 4), (NOISE[:9], 1)])
+@pytest.mark.parametrize(("image", "levels"), [(NOISE, 3), (chequers(16), 3), (chequers(40), 4), (NOISE[:9], 1)])
 def test_automatic_levels(image, levels):
     assert automatic_levels(image) == levels
+
+
+def test_reach_of_a_blur():
+    """Means of 9 x 9 pixels of noise are related by (1 - y / 9) (1 - x / 9), which falls to 0.1 about 7 pixels away."""
+    noise = np.random.default_rng(1).random((200, 200)).astype(np.float32)
+    view = np.lib.stride_tricks.sliding_window_view(noise, (9, 9)).mean(axis=(2, 3))[..., None]
+    assert structure(view).reach == pytest.approx(7.5, abs=1.5)
+    assert structure(NOISE).reach == 0
 
 
 def test_most_levels():
@@ -39,7 +47,13 @@ def test_most_levels():
 
 def test_stages_by_hand():
     plan = stages((64, 200), 3, (16, 8), 4)
-    assert [(s.level, s.window, s.iterations) for s in plan] == [(2, 8, 8), (1, 16, 3), (1, 8, 3), (0, 8, 4)]
+    assert [(s.level, s.window, s.iterations) for s in plan] == [(2, 8, 6), (1, 16, 3), (1, 8, 3), (0, 8, 4)]
+
+
+def test_automatic_windows():
+    """Twice as large ones on the coarsest level alone."""
+    plan = stages((64, 200), 2, (), 4)
+    assert [(s.level, s.window, s.iterations) for s in plan] == [(1, 16, 3), (1, 8, 3), (0, 8, 4)]
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (3, 50), (17, 9)])

@@ -136,7 +136,7 @@ def test_scales_that_are_lacking_are_made_by_resampling():
     target = np.concatenate([SCALE[-8:], 1.5 * SCALE[-8:]])
     for resample in (1.0, 2.0):
         ctx = Context(threads=1, on_warning=told.append)
-        result = optimize(NOISE, SCALE, target, resample=resample, iterations=1, ctx=ctx)
+        result = optimize(NOISE, SCALE, target, resample=resample, ctx=ctx)
     assert len(told) == 1
     assert re.search(r"50% of the output asks for scales that the exemplar lacks \(it has 0.5 to 2\)", told[0])
     assert (result.source[-8:, :, 3] > 0).mean() > 0.9

@@ -34,7 +34,7 @@ def test_sources_tell_the_exemplar():
     assert set(np.unique(result.source[..., 0])) == {0, 1}
     np.testing.assert_array_equal(replay(result.source, [NOISE, OTHER]), result.image)
     share = np.mean(result.source[..., 0] == 1)
-    assert 0.4 < share / (OTHER.size / (OTHER.size + NOISE.size)) < 2  # of a narrow one fewer windows fit
+    assert 0.25 < share / (OTHER.size / (OTHER.size + NOISE.size)) < 2  # of a narrow one fewer windows fit
     assert result.image.shape == (80, 96, 3)
 
 
