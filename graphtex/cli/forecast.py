@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from graphtex.cli.terminal import DONE, count, out, print_json, say, table
+from graphtex.errors import listing
 
 if TYPE_CHECKING:
     from graphtex.cache import Cache, Change, KeyParts
@@ -41,7 +42,7 @@ class Prospect:
         changed = "; ".join(str(change) for change in self.changes)
         if self.forecast == "cached":
             return f"computed before, but not in the last run: {changed}" if changed else ""
-        decides = f"{', '.join(self.decided_by)} decide{'s' if len(self.decided_by) == 1 else ''}"
+        decides = f"{listing(self.decided_by)} decide{'s' if len(self.decided_by) == 1 else ''}"
         return "; ".join(part for part in (changed or self.note, decides if self.decided_by else "") if part)
 
 
@@ -52,6 +53,7 @@ def prospects(plan: "Plan", cache: "Cache | None", name: str) -> dict[str, Prosp
 
     told, parts = forecast(plan, cache)
     last = (cache.last_run(name) or {}) if cache is not None else {}
+    decided_by = _deciders(plan, told)
     found: dict[str, Prospect] = {}
     for task in plan.tasks:
         if cache is None:
@@ -63,8 +65,7 @@ def prospects(plan: "Plan", cache: "Cache | None", name: str) -> dict[str, Prosp
             continue
         changes = () if old is None else tuple(explain(old, _with_assumed(new, old)))
         note = "not run before" if old is None else "" if told[task] == "maybe" else "its result is not stored"
-        decided_by = _deciders(plan, told, task) if told[task] == "maybe" else ()
-        found[task] = Prospect(told[task], changes, note, decided_by)
+        found[task] = Prospect(told[task], changes, note, decided_by.get(task, ()))
     return found
 
 
@@ -77,18 +78,19 @@ def _with_assumed(new: "KeyParts", old: "KeyParts") -> "KeyParts":
     return replace(new, inputs=inputs)
 
 
-def _deciders(plan: "Plan", told: "Mapping[str, Forecast]", task: str) -> tuple[str, ...]:
-    """Return the nearest tasks upstream that run; those between may turn out to be cached."""
-    found: dict[str, None] = {}
-    ahead, seen = [task], {task}
-    while ahead:
-        for source in sorted(plan.dag.predecessors(ahead.pop()), key=list(plan.tasks).index):
-            if told[source] == "runs":
-                found[source] = None
-            elif told[source] == "maybe" and source not in seen:
-                seen.add(source)
-                ahead.append(source)
-    return tuple(found)
+def _deciders(plan: "Plan", told: "Mapping[str, Forecast]") -> dict[str, tuple[str, ...]]:
+    """Return the nearest tasks upstream of each that run; those between may turn out to be cached."""
+    order = {task: index for index, task in enumerate(plan.tasks)}
+    found: dict[str, tuple[str, ...]] = {}
+    for task in plan.tasks:  # in this order a task's sources come before it
+        if told[task] == "maybe":
+            nearest = {
+                decider
+                for source in plan.dag.predecessors(task)
+                for decider in ((source,) if told[source] == "runs" else found.get(source, ()))
+            }
+            found[task] = tuple(sorted(nearest, key=order.__getitem__))
+    return found
 
 
 def plan_of(graph: "Document", values: Mapping[str, Any], seed: int | None, only: Sequence[str] = ()) -> "Plan":

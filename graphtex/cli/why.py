@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from graphtex.cli.run import Set
 from graphtex.cli.terminal import DONE, out
-from graphtex.errors import GraphError, Problem, did_you_mean
+from graphtex.errors import GraphError, Problem, did_you_mean, listing
 
 if TYPE_CHECKING:
     from graphtex.cli.forecast import Prospect
@@ -73,7 +73,7 @@ def told(task: str, prospect: "Prospect") -> list[str]:
         return (
             [f"{task}: runs; since the last run changed", *changes] if changes else [f"{task}: runs: {prospect.note}"]
         )
-    deciders = ", ".join(prospect.decided_by)
+    deciders = listing(prospect.decided_by)
     verb = "run and decide" if len(prospect.decided_by) > 1 else "runs and decides"
     head = f"{task}: runs unless its input comes out equal: {deciders} {verb}"
     if changes:
