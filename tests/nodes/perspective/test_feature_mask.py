@@ -99,3 +99,47 @@ def test_canny_has_no_polarity(polarity):
 def test_refuses(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):
         feature_mask(grating()[0], **wrong)
+
+
+def gaps():
+    """Grey stones of many tones with brown gaps three pixels wide, as bright as the stones' mean."""
+    tones = np.random.default_rng(7).uniform(0.3, 0.7, (4, 4))
+    image = np.repeat(np.repeat(tones, 16, axis=0), 16, axis=1)[..., None] * np.ones(3)
+    gap = np.arange(64) % 16 < 3
+    image[gap[:, None] | gap] = (0.6, 0.5, 0.4)
+    return image.astype(np.float32)
+
+
+def dab(x, y, label=""):
+    return {"points": [[x, y]], "radius": 1, "label": label}
+
+
+def test_scribbles_find_all_of_a_colour():
+    """One dab on a gap, one on a stone of each of two tones: all gaps, as lines, and nothing else."""
+    lines = [dab(17, 25), dab(8, 8, "other"), dab(40, 40, "other"), dab(8, 40, "other")]
+    mask = feature_mask(gaps(), method="scribbles", sigma=0.3, strokes={"lines": lines})
+    gap = np.arange(64) % 16 < 3
+    assert not (mask & ~(gap[:, None] | gap)).any()
+    rows = mask[:, 24][4:60]
+    assert np.flatnonzero(rows).tolist() == [13, 29, 45]  # row 17, 33, 49: the middle of each gap
+
+
+def test_samples_do_what_strokes_do():
+    lines = [dab(17, 25)]
+    samples = np.hypot(*(np.mgrid[:64, :64] - np.array([25, 17])[:, None, None])) <= 1
+    found = feature_mask(gaps(), samples, method="scribbles")
+    np.testing.assert_array_equal(found, feature_mask(gaps(), method="scribbles", strokes={"lines": lines}))
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [([], "got 0 of 4096 pixels"), ([dab(9, 9, "stone")], "got 'stone'"), ([dab(900, 9)], "got 0 of 4096 pixels")],
+)
+def test_scribbles_that_show_nothing(lines, message):
+    with pytest.raises(ValueError, match=message):
+        feature_mask(gaps(), method="scribbles", strokes={"lines": lines})
+
+
+def test_scribbles_on_everything():
+    with pytest.raises(ValueError, match="some pixels without, got 4096 of 4096"):
+        feature_mask(gaps(), np.ones((64, 64), bool), method="scribbles")
