@@ -63,7 +63,7 @@ def join_known(
         ahead[fits] = exemplar[place[fits, 0], place[fits, 1]]
         np.add.at(right_side, number.ravel()[here], image.reshape(-1, channels)[there] - ahead)
     result = image.copy()
-    result[unknown] += _solve(degree, edges, right_side, work).astype(np.float32)
+    result[unknown] += relaxed(degree, edges, right_side, work).astype(np.float32)
     seen = exemplar[usable]
     result[unknown] = np.clip(result[unknown], seen.min(axis=0), seen.max(axis=0))
     return result
@@ -86,7 +86,7 @@ def laplace(values: NDArray[np.float64], known: NDArray[np.bool_], work: Work) -
         border = known.ravel()[there]
         right_side[:, 0] += np.bincount(number[here[border]], values.ravel()[there[border]], count)
         edges.append((number[here[~border]], number[there[~border]]))
-    result: NDArray[np.float64] = _solve(degree, edges, right_side, work)[:, 0]
+    result: NDArray[np.float64] = relaxed(degree, edges, right_side, work)[:, 0]
     return result
 
 
@@ -104,8 +104,12 @@ def _pairs(
     return index[inside], there[inside]
 
 
-def _solve(degree: Any, edges: list[Any], right_side: Any, work: Work) -> Any:
-    """Conjugate gradients with the diagonal as preconditioner, all channels at a time, each with its own steps."""
+def relaxed(degree: Any, edges: list[Any], right_side: Any, work: Work) -> Any:
+    """Values (n, c) with degree * value - sum of neighbours' values = right side (n, c): a screened Poisson equation.
+
+    ``edges`` are pairs of arrays, nodes and their neighbours, each pair in both directions. Conjugate gradients with
+    the diagonal as preconditioner, all channels at a time, each with its own steps.
+    """
     from scipy.sparse import csr_array, diags_array
 
     size = degree.size

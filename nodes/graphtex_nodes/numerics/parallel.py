@@ -6,6 +6,7 @@ the number of threads. There is no numba threading layer: a plain pool calls ker
 
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
 from typing import Protocol
 
 
@@ -39,6 +40,32 @@ class Quiet:
 
     def warn(self, message: str) -> None:
         """Do nothing."""
+
+
+@dataclass(frozen=True)
+class Portion:
+    """A part of some work, ``share`` of it from ``first`` on."""
+
+    work: Work
+    first: float
+    share: float
+
+    @property
+    def threads(self) -> int:
+        """How many threads may run."""
+        return self.work.threads
+
+    def check(self) -> None:
+        """Raise if the whole work was cancelled."""
+        self.work.check()
+
+    def progress(self, fraction: float, message: str = "") -> None:
+        """Tell how far this part is, 0 to 1."""
+        self.work.progress(self.first + self.share * fraction, message)
+
+    def warn(self, message: str) -> None:
+        """Tell the user about a doubtful result."""
+        self.work.warn(message)
 
 
 SLICE = 3e7

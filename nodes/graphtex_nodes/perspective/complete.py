@@ -12,9 +12,7 @@ Array = NDArray[Any]
 Box = tuple[slice, slice]
 
 LEAST_REACH = 64  # pixels around a small hole
-EDGE = 4  # pixels around the hole where it makes false features
-TELLING = 0.2  # spread of log scale from which the scale counts fully
-SEEN = 0.25  # share of a window that must be known for its density to count
+BLOCK = 16  # pixels; parts of a hole that are four or more such blocks apart are filled each on its own
 
 
 class Completion(NamedTuple):
@@ -39,20 +37,33 @@ def complete(
     surroundings: Annotated[
         int, Field(ge=0, le=16384, description="pixels around the hole to take from; 0 = as far as the hole is wide")
     ] = 0,
+    method: Annotated[
+        Literal["pieces", "windows"],
+        Field(description="large pieces moved over the plane, or windows as in the paper's synthesis"),
+    ] = "pieces",
     scale_weight: Annotated[
-        float, Field(ge=0, le=10, description="standard deviation of the scale over that of the colours; 0 = plain")
+        float, Field(ge=0, le=10, description="windows: deviation of the scale over that of the colours; 0 = no scale")
     ] = 0.75,
-    iterations: Annotated[int, Field(ge=1, le=50, description="iterations on the finest level")] = 4,
-    histogram: Annotated[float, Field(ge=0, le=100, description="strength of histogram matching; 0 = none")] = 0.0,
-    evenness: Annotated[float, Field(ge=0, le=100, description="charge for overused parts; 0 = none")] = 0.0,
+    iterations: Annotated[int, Field(ge=1, le=50, description="windows: iterations on the finest level")] = 4,
+    histogram: Annotated[
+        float, Field(ge=0, le=100, description="windows: strength of histogram matching; 0 = none")
+    ] = 0.0,
+    evenness: Annotated[float, Field(ge=0, le=100, description="windows: charge for overused parts; 0 = none")] = 0.0,
     rng: Rng = 0,
     ctx: Context = QUIET,
 ) -> Completion:
-    """Fill a hole with texture from around it whose elements have the size that the perspective asks for.
+    r"""Fill a hole with texture from around it whose elements have the size that the perspective asks for.
 
     The scale map is recovered from what surrounds the hole and continued into it; the rest of the photo is the
-    exemplar, and `Optimize`'s synthesis with its scale channel fills the hole, its windows agreeing with what is known
-    around. Seams at the hole's border are then removed by a screened Poisson correction inside the hole.
+    exemplar. With ``windows`` it fills the hole as in the paper: `Optimize`'s synthesis with its scale channel, whose
+    windows agree with what is known around, then a screened Poisson correction of the seams.
+
+    With ``pieces`` (the default) the photo is moved over the plane that the scale map describes: where scale S is
+    linear in the picture, points (x / S, y / S) differ from those of the plane by an affine map only, so that adding a
+    constant to them moves texture to where it belongs, at its right size and with its right convergence. Moves that fit
+    what is known along the hole's border are found by Fourier transforms, plain shifts that keep the scale among them;
+    a minimum cut chooses which of them fills which pixel, and gradients are joined. Order over larger distances
+    (courses of bricks, weaves) survives, which windows break. What no move reaches is filled by windows.
 
     Parameters
     ----------
@@ -63,18 +74,23 @@ def complete(
     scale
         Texel scale of the photo, as `FeatureScale` or `ScaleFromAngles` give it. Without one it is measured: density of
         features (`FeatureMask`, equation 1) in what is known of the surroundings, to which a plane is fitted, since the
-        scale of a plane is linear in its picture.
+        scale of a plane is linear in its picture. Density tells little about where the plane's vanishing line lies, so
+        with ``plane`` it is moved to where the surroundings fit themselves best, if that makes a clear difference (it
+        does where texture is regular).
     source
         (h, w), True where texture may be taken from. Without it from the surroundings of the hole.
     continuation
         ``plane`` fits one to the scale outside the hole, with Tukey's biweight against what does not lie on it;
         ``harmonic`` spans a membrane over the hole; ``given`` trusts the map inside the hole too.
+    scale_weight
+        With ``pieces`` only whether it is 0: then the photo is shifted without regard to scale.
 
     Returns
     -------
     Completion
         ``image`` equals the photo bit by bit outside the hole. ``scale`` (h, w) is 1 far from the hole where none was
-        given. ``source`` has the row and column in the photo of each pixel, outside the hole its own.
+        given. ``source`` has the row and column in the photo of each pixel, outside the hole its own, and log2 of how
+        much a piece was enlarged.
 
     Raises
     ------
@@ -83,8 +99,8 @@ def complete(
 
     Notes
     -----
-    Only a box around the hole is synthesised, so large photos take no longer than small ones. The photo's histogram is
-    not matched by default: a hole need not have the colours of all that surrounds it.
+    Only a box around each part of the hole is looked at, so large photos take no longer than small ones. The photo's
+    histogram is not matched by default: a hole need not have the colours of all that surrounds it.
 
     Examples
     --------
@@ -94,55 +110,66 @@ def complete(
     >>> bool(np.abs(complete(stripes, hole).image - stripes).max() < 0.01)
     True
     """
+    from graphtex_nodes.numerics.jit import announce
+    from graphtex_nodes.numerics.parallel import Portion
     from graphtex_nodes.numerics.sources import own_places
 
     if hole.all():
         raise ValueError(f"hole: expected some pixels outside it, got all of shape {hole.shape}")
     if continuation == "given" and scale is None:
         raise ValueError("scale: expected a map to take as given, got none")
-    if not hole.any():
-        every = np.ones(hole.shape, np.float32)
-        return Completion(photo.copy(), every if scale is None else scale.copy(), own_places(hole.shape))
     usable = ~hole if source is None else source & ~hole
-    if not usable.any():
+    if hole.any() and not usable.any():
         raise ValueError(f"source: expected some pixels outside the hole, got none in shape {hole.shape}")
 
-    from graphtex_nodes.numerics.jit import announce
-
     announce(ctx, "window_kernels", "search_kernels", "vote_kernels", "seam_kernels")
-    from graphtex_nodes.numerics import levels, seams
     from graphtex_nodes.numerics.problem import Settings
-    from graphtex_nodes.numerics.request import Scales, pose
-    from graphtex_nodes.numerics.synthesis import synthesise
+    from graphtex_nodes.perspective._filling import Canvas
 
-    box = _around(hole, surroundings)
-    taken = box if source is None else _around(usable, 1)
-    if not usable[taken].any():
-        taken = (slice(None), slice(None))
-    scales = _scales(photo, hole, scale, continuation, _union(box, taken), ctx)
-    spread = float(np.std(np.log(scales[taken][usable[taken]]), dtype=np.float64))
-    weight = 0.0 if spread < 1e-3 else scale_weight * min(1.0, spread / TELLING)
-    problem = pose(
-        photo[taken], (box[0].stop - box[0].start, box[1].stop - box[1].start),
-        Scales(scales[taken], scales[box], weight, True), ctx,
-        usable=usable[taken], start=photo[box], known=~hole[box],
-    )  # fmt: skip
-    plan = levels.plan(problem.exemplar, problem.usable, 0, (), iterations)
-    result = synthesise(problem, plan, Settings(histogram=histogram, evenness=evenness), rng, ctx)
-    filled, found = seams.finish(problem, result, fade=True, work=ctx)
-    image, places, part = photo.copy(), own_places(hole.shape), hole[box]
-    image[hole] = filled[part]
-    places[hole, 1:3] = found[part] + np.array([taken[0].start or 0, taken[1].start or 0])
-    return Completion(image, scales, places)
+    scales = np.ones(hole.shape, np.float32) if scale is None else scale.copy()
+    canvas = Canvas(photo.copy(), own_places(hole.shape), scales, hole, usable)
+    plan = iterations, Settings(histogram=histogram, evenness=evenness)
+    parts = _parts(hole)
+    for number, part in enumerate(parts):
+        work = Portion(ctx, number / len(parts), 1 / len(parts))
+        box = _around(part, surroundings)
+        taken = box if source is None else _around(usable, 1)
+        if not usable[taken].any():
+            taken = slice(0, hole.shape[0]), slice(0, hole.shape[1])
+        sight = _union(_around(part, surroundings, times=2), taken)
+        if scale is None:
+            canvas.measure_scale(part, sight, continuation == "harmonic", work)
+        elif continuation != "given":
+            canvas.continue_scale(sight, continuation == "harmonic", work)
+        rest = part
+        if method == "pieces":
+            rest = canvas.put_pieces(part, sight, scale_weight > 0, work)
+        if rest.any():
+            canvas.put_windows(part, rest, box, taken, scale_weight, plan, rng, work)
+    return Completion(canvas.image, canvas.scales, canvas.places)
 
 
-def _around(mask: Array, reach: int) -> Box:
-    """Bounding box of a mask with ``reach`` pixels around it, or as many as it is wide."""
+def _parts(hole: Array) -> list[Array]:
+    """Parts of a hole that are far from each other, as masks of their own."""
+    from scipy.ndimage import binary_dilation, label
+
+    if not hole.any():
+        return []
+    padded = np.pad(hole, [(0, -side % BLOCK) for side in hole.shape])
+    blocks = np.asarray(padded.reshape(-(-hole.shape[0] // BLOCK), BLOCK, -1, BLOCK).any(axis=(1, 3)))
+    square = np.ones((3, 3), bool)
+    numbers, count = label(binary_dilation(blocks, square, iterations=2), square)
+    numbers = numbers.repeat(BLOCK, axis=0).repeat(BLOCK, axis=1)[: hole.shape[0], : hole.shape[1]]
+    return [hole & (numbers == number) for number in range(1, count + 1)]
+
+
+def _around(mask: Array, reach: int, times: int = 1) -> Box:
+    """Bounding box of a mask with ``reach`` pixels around it, or as many ``times`` as it is wide."""
     sides = []
     for axis in (0, 1):
         inside = np.flatnonzero(mask.any(axis=1 - axis))
         sides.append((int(inside[0]), int(inside[-1]) + 1))
-    more = reach or max(LEAST_REACH, *(stop - first for first, stop in sides))
+    more = reach or times * max(LEAST_REACH, *(stop - first for first, stop in sides))
     top, left = (
         slice(max(0, first - more), min(count, stop + more))
         for (first, stop), count in zip(sides, mask.shape, strict=True)
@@ -151,52 +178,7 @@ def _around(mask: Array, reach: int) -> Box:
 
 
 def _union(first: Box, second: Box) -> Box:
-    if first == second or second[0].start is None:
-        return second
     rows, columns = (
         slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(first, second, strict=True)
     )  # fmt: skip
     return rows, columns
-
-
-def _scales(photo: Array, hole: Array, scale: Array | None, continuation: str, box: Box, ctx: Context) -> Array:
-    """Scale map of the photo with values in the hole, measured in a box where none is given."""
-    from graphtex_nodes.numerics.continuation import continued, fitted_plane
-
-    if continuation == "given" and scale is not None:
-        return scale
-    result = np.ones(hole.shape, np.float32) if scale is None else scale.copy()
-    part = hole[box]
-    if scale is not None:
-        found = continued(scale[box], ~part, continuation == "harmonic", ctx)
-    else:
-        measured, seen = _measured(photo[box], part)
-        if not seen.any():
-            return result
-        if continuation == "plane":
-            found = fitted_plane(measured, seen).astype(np.float32)
-        else:
-            found = continued(measured, seen, True, ctx)
-    result[box] = np.clip(found, 1 / 8, 8)
-    return result
-
-
-def _measured(photo: Array, hole: Array) -> tuple[Array, Array]:
-    """Scale by the density of features outside the hole (equation 1, bounded), and where enough is seen to tell."""
-    from scipy.ndimage import binary_dilation
-
-    from graphtex_nodes.perspective.feature_mask import feature_mask
-    from graphtex_nodes.perspective.feature_scale import window_mean
-
-    filled = np.where(hole[..., None], photo[~hole].mean(axis=0), photo).astype(np.float32)
-    told: list[str] = []
-    features = feature_mask(filled, ctx=Context(threads=1, on_warning=told.append))
-    clear = ~binary_dilation(hole, iterations=EDGE)
-    window = max(3, min(hole.shape) // 4)
-    share = window_mean(clear.astype(np.float64), window)
-    seen = ~hole & (share >= SEEN)
-    if not (features & clear).any() or not seen.any():
-        return np.ones(hole.shape), np.zeros(hole.shape, bool)
-    density = window_mean((features & clear).astype(np.float64), window) / np.maximum(share, SEEN)
-    middle = (density[seen].min() + density[seen].max()) / 2
-    return 2 - density / middle, seen

@@ -8,6 +8,7 @@ from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.exemplars.sample_mask import sample_mask
 from graphtex_nodes.numerics.continuation import continued, fitted_plane
+from graphtex_nodes.numerics.moves import Slope
 from graphtex_nodes.numerics.parallel import Quiet
 from graphtex_nodes.perspective.complete import complete
 from tests.nodes.perspective.holes import KINDS, hole_of
@@ -28,21 +29,23 @@ def plane(kind):
 def size_error(scale, result, hole):
     """Mean of |log2| of the size of what was put in the hole over the size that belongs there."""
     rows, columns = (result.source[hole][:, k].astype(int) for k in (1, 2))
-    return np.abs(np.log2(scale[rows, columns] / scale[hole])).mean()
+    shown = np.log2(scale[rows, columns]) + result.source[hole][:, 3]
+    return np.abs(shown - np.log2(scale[hole])).mean()
 
 
 @pytest.mark.parametrize("kind", ["pebbles", "paving"])
 @pytest.mark.parametrize("given", [False, True])
-def test_elements_in_the_hole_have_the_right_size(kind, given):
-    """Within 10 %, with the scale map measured around the hole too; without a scale they are off by more than 25 %."""
+@pytest.mark.parametrize("method", ["pieces", "windows"])
+def test_elements_in_the_hole_have_the_right_size(kind, given, method):
+    """Within 10 %, with the scale map measured around the hole too; windows without a scale are off by over 25 %."""
     photo, scale = plane(kind)
     hole = sample_mask(name="hole")
-    result = complete(photo, hole, scale if given else None, ctx=QUIET)
+    result = complete(photo, hole, scale if given else None, method=method, ctx=QUIET)
     assert size_error(scale, result, hole) < np.log2(1.1)
     assert np.corrcoef(result.scale[hole], scale[hole])[0, 1] > 0.95
     np.testing.assert_array_equal(result.image[~hole], photo[~hole])
-    if not given:
-        plain = complete(photo, hole, scale_weight=0.0, ctx=QUIET)
+    if method == "windows" and not given:
+        plain = complete(photo, hole, method=method, scale_weight=0.0, ctx=QUIET)
         assert size_error(scale, plain, hole) > np.log2(1.25)
 
 
@@ -59,10 +62,11 @@ def test_seam_does_not_show():
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("scale", [None, SLOPE])
 @pytest.mark.parametrize("continuation", ["plane", "harmonic"])
-def test_any_hole(kind, scale, continuation):
+@pytest.mark.parametrize("method", ["pieces", "windows"])
+def test_any_hole(kind, scale, continuation, method):
     hole = hole_of(kind)
     quiet = Context(threads=1, on_warning=lambda text: None)  # of two pixels no scale can be told
-    result = complete(NOISE, hole, scale, continuation=continuation, iterations=1, ctx=quiet)
+    result = complete(NOISE, hole, scale, continuation=continuation, method=method, iterations=1, ctx=quiet)
     np.testing.assert_array_equal(result.image[~hole], NOISE[~hole])
     np.testing.assert_array_equal(result.source[~hole, 1:3], np.argwhere(~hole))
     rows, columns = (result.source[..., k].astype(int) for k in (1, 2))
@@ -94,10 +98,10 @@ def test_only_the_surroundings_are_looked_at():
     hole = np.zeros((300, 320), bool)
     hole[40:60, 50:70] = True
     other = photo.copy()
-    other[130:] = 9
+    other[190:] = 9
     first, second = (complete(picture, hole, iterations=1, ctx=QUIET) for picture in (photo, other))
     np.testing.assert_array_equal(first.image[hole], second.image[hole])
-    assert first.source[hole, 1:3].max() < 70 + 64
+    assert first.source[hole, 1:3].max() < 70 + 128
 
 
 def test_no_hole_changes_nothing():
@@ -105,6 +109,62 @@ def test_no_hole_changes_nothing():
     np.testing.assert_array_equal(result.image, NOISE)
     np.testing.assert_array_equal(result.scale, SLOPE)
     np.testing.assert_array_equal(result.source[..., 1:3].astype(int), np.stack([ROW, COLUMN], axis=-1))
+
+
+def test_pattern_on_a_plane_is_restored():
+    """A chequered pattern whose scale is linear in the picture: pieces continue it, windows lose its order."""
+    slope = Slope(80.0, 75.0, 0.006)
+    rows, columns = np.mgrid[:160, :160]
+    v, u = slope.to_plane(rows, columns)
+    photo = (0.5 + 0.5 * np.sin(v * np.pi / 6) * np.sin(u * np.pi / 6)).astype(np.float32)[..., None]
+    hole = np.zeros((160, 160), bool)
+    hole[60:105, 50:100] = True
+    scale = slope.scale(rows, columns).astype(np.float32)
+    pieces, windows = (
+        np.abs(complete(photo, hole, scale, method=method, ctx=QUIET).image - photo)[hole].mean()
+        for method in ("pieces", "windows")
+    )
+    assert pieces < 0.01
+    assert windows > 0.03
+
+
+def test_periodic_picture_is_restored():
+    tile = np.random.default_rng(2).random((10, 14, 3)).astype(np.float32)
+    photo = np.tile(tile, (12, 9, 1))
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[40:75, 50:90] = True
+    hole[110:] = True
+    np.testing.assert_allclose(complete(photo, hole, ctx=QUIET).image, photo, atol=1e-4)
+
+
+@pytest.mark.parametrize("largest", [150_000, 8_000])
+def test_pieces_are_cut_on_several_levels(largest, monkeypatch):
+    """From a picture of a quarter of the sides up, moves stay right to the pixel."""
+    monkeypatch.setattr("graphtex_nodes.perspective._filling.MATCHED", largest)
+    tile = np.random.default_rng(2).random((20, 28, 1)).astype(np.float32).repeat(4, axis=0).repeat(4, axis=1)
+    photo = np.tile(tile, (4, 3, 1))
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[101:160, 121:191] = True
+    assert np.abs(complete(photo, hole, scale_weight=0.0, ctx=QUIET).image - photo)[hole].mean() < 1e-3
+
+
+def test_far_parts_are_filled_each_from_its_own_surroundings():
+    photo = RNG.random((100, 600, 1)).astype(np.float32)
+    hole = np.zeros((100, 600), bool)
+    hole[40:60, 50:70] = hole[40:60, 500:520] = True
+    columns = complete(photo, hole, surroundings=60, ctx=QUIET).source[..., 2]
+    assert columns[40:60, 50:70].max() < 130
+    assert columns[40:60, 500:520].min() > 439
+
+
+@pytest.mark.parametrize("method", ["pieces", "windows"])
+def test_same_bytes_with_two_threads(method):
+    photo = plane("pebbles")[0][80:180, 80:190]
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[30:55, 35:70] = True
+    first, second = (complete(photo, hole, method=method, ctx=Context(threads=threads)) for threads in (1, 2))
+    for one, other in zip(first, second, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_given_scale_is_kept():

@@ -1,0 +1,231 @@
+"""A hole filled with large pieces of the picture moved over its plane, cut where they agree best."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex_nodes.numerics.expansion import expand
+from graphtex_nodes.numerics.matching import Fit, Level, anchors, fits, laid_flat
+from graphtex_nodes.numerics.membrane import SCREEN, relaxed
+from graphtex_nodes.numerics.moves import Move, Slope, Views
+from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics.pyramid import masked_pyramid
+
+Array = NDArray[Any]
+
+BLUR = 0.1
+"""Cost of a pixel that is shown twice as large as in its source, in standard deviations of the picture."""
+JOIN = 0.02
+"""Cost of each pair of pixels across a seam, likewise."""
+LACKING = 1.0
+"""Cost of a known pixel around the hole for which a piece has no source, likewise."""
+OUTLINE = 0.5
+"""Differences at a seam that are bent away by half, likewise."""
+NONE = 1e4
+"""Cost of a pixel of the hole without source: above that of any seam."""
+ANCHORS, BEST, MOST = 17, 3, 40
+"""Places along the hole's border, moves of each of them, and moves of all together, from which the cut chooses."""
+SWAY = 2
+"""Pixels that a seam may move on each finer level."""
+PROBES = 2000
+"""Known pixels by which a move is made more precise on a finer level."""
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """What was put in the hole: colours (n, c), rows and columns taken from (n, 2), log2 of how much they are enlarged
+    (n,), and which pixels could be filled (n,)."""
+
+    colours: Array
+    source: Array
+    log: Array
+    filled: Array
+
+
+def halvings(level: Level, largest: int) -> list[Level]:
+    """A picture and its halvings until one has no more than ``largest`` pixels, the finest first."""
+    count = 1
+    while (level.hole.size >> (2 * count - 2)) > largest:
+        count += 1
+    pictures, _ = masked_pyramid(level.picture, ~level.hole, count)
+    result = [level]
+    for smaller in pictures[1:]:
+        result.append(Level(smaller, ~_any(~result[-1].usable), _any(result[-1].hole)))
+    return result
+
+
+def _any(mask: Array) -> Array:
+    """Whether any of two by two pixels is True."""
+    height, width = mask.shape
+    padded: Array = np.pad(mask, [(0, height % 2), (0, width % 2)], mode="edge")
+    return padded[::2, ::2] | padded[1::2, ::2] | padded[::2, 1::2] | padded[1::2, 1::2]
+
+
+def choose(level: Level, slopes: Sequence[Slope], log_scale: Array | None, work: Work) -> list[Fit]:
+    """The best moves of a picture with the log2 of its texel scale (h, w), over planes of several slopes."""
+    found: list[Fit] = []
+    for slope in slopes:
+        sheet = laid_flat(slope, level)
+        found += fits(slope, sheet, anchors(sheet, ANCHORS), log_scale if slope.flat else None, BEST, work)
+    distinct: dict[Move, Fit] = {}
+    for fit in sorted(found, key=lambda fit: fit.cost):
+        distinct.setdefault(fit.move, fit)
+    return list(distinct.values())[:MOST]
+
+
+def fill(levels: Sequence[Level], found: Sequence[Fit], work: Work) -> Pieces:
+    """The hole of the first level filled; ``found`` are moves of the last, coarsest one."""
+    labels = np.full(levels[-1].hole.shape, -1)
+    for number in range(len(levels) - 1, -1, -1):
+        level = levels[number]
+        views = Views.of(level.picture, level.usable)
+        if number < len(levels) - 1:
+            used = np.unique(labels[labels >= 0])
+            found = [_finer(found[label], level, views) for label in used]
+            labels = np.searchsorted(used, labels.repeat(2, axis=0).repeat(2, axis=1))
+            labels = labels[: level.hole.shape[0], : level.hole.shape[1]]
+            labels[~level.region] = -1
+        labels = _cut(level, views, [fit.move for fit in found], labels, work)
+        work.progress(1 - number / len(levels), "cutting pieces")
+    return _painted(levels[0], views, [fit.move for fit in found], labels, work)
+
+
+def _finer(fit: Fit, level: Level, views: Views) -> Fit:
+    """A fit of a level half as fine, its move made right to the pixel by the known pixels around its anchor."""
+    row, column, radius = 2 * fit.row + 0.5, 2 * fit.column + 0.5, 2 * fit.radius
+    y, x = np.ogrid[: level.hole.shape[0], : level.hole.shape[1]]
+    near = level.region if not radius else (y - row) ** 2 + (x - column) ** 2 <= radius**2
+    rows, columns = np.nonzero(near & ~level.hole)
+    stride = max(1, rows.size // PROBES)
+    rows, columns = rows[::stride], columns[::stride]
+    wanted = level.picture[rows, columns]
+    middle = fit.move.finer()
+    best = np.inf
+    chosen = middle
+    for down in (0, -1, 1):
+        for right in (0, -1, 1):
+            move = Move(middle.slope, middle.down + down, middle.right + right)
+            colours, usable, _ = views.moved(move, rows, columns)
+            cost = float(((colours - wanted)[usable] ** 2).sum() / usable.sum()) if usable.any() else np.inf
+            if cost < best:
+                best, chosen = cost, move
+    return replace(fit, move=chosen, row=row, column=column, radius=radius)
+
+
+def _cut(level: Level, views: Views, moves: Sequence[Move], labels: Array, work: Work) -> Array:
+    """Labels (h, w) of the moves in the region of a level; where there were some, seams move a little."""
+    region = level.region
+    free = region & (labels < 0)
+    if not free.any():
+        from scipy.ndimage import binary_dilation
+
+        seams = np.zeros(labels.shape, bool)
+        for one, other in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
+            apart = (labels[one] != labels[other]) & region[one] & region[other]
+            seams[one] |= apart
+            seams[other] |= apart
+        if not seams.any():
+            return labels
+        free = binary_dilation(seams, iterations=SWAY) & region
+        region = binary_dilation(free) & region
+    rows, columns = np.nonzero(region)
+    within, spread = level.hole[rows, columns], _spread(level)
+    copies = np.empty((len(moves), rows.size, level.picture.shape[2]), np.float32)
+    unary = np.empty((len(moves), rows.size), np.float32)
+    for number, move in enumerate(moves):
+        copies[number], usable, enlarged = views.moved(move, rows, columns)
+        wrong = _length(copies[number] - level.picture[rows, columns]) / spread
+        blurred = BLUR * np.log2(np.maximum(enlarged, 1))
+        unary[number] = np.where(within, np.where(usable, blurred, NONE), np.where(usable, wrong, LACKING))
+        unary[number] += np.where(free[rows, columns] | (labels[rows, columns] == number), 0, 10 * NONE)
+    count = np.full(labels.shape, -1)
+    count[region] = np.arange(rows.size)
+    first, second = _neighbours(count)
+
+    def seam(one: Array, other: Array) -> Array:
+        result = np.zeros(first.size)
+        at = np.flatnonzero(one != other)
+        a, b, p, q = one[at], other[at], first[at], second[at]
+        result[at] = JOIN + (_length(copies[a, p] - copies[b, p]) + _length(copies[a, q] - copies[b, q])) / spread
+        return result
+
+    result = labels.copy()
+    result[region] = expand(unary, first, second, seam, np.argmin(unary, axis=0), work)
+    return result
+
+
+def _painted(level: Level, views: Views, moves: Sequence[Move], labels: Array, work: Work) -> Pieces:
+    """Colours and sources of the labelled hole; pieces are bent to meet each other and what is known."""
+    rows, columns = np.nonzero(level.hole)
+    chosen = labels[rows, columns]
+    colours, usable = views.looked_up(moves, chosen, rows, columns)
+    source, log = np.zeros((rows.size, 2)), np.zeros(rows.size)
+    for label, move in enumerate(moves):
+        at = chosen == label
+        source_rows, source_columns, enlarged = move.sources(rows[at], columns[at])
+        source[at], log[at] = np.stack([source_rows, source_columns], axis=1), np.log2(enlarged)
+    colours += _bend(level, views, moves, labels, colours, usable, work)
+    seen = level.picture[level.usable]
+    return Pieces(np.clip(colours, seen.min(axis=0), seen.max(axis=0)), source, log, usable)
+
+
+def _bend(
+    level: Level, views: Views, moves: Sequence[Move], labels: Array, colours: Array, usable: Array, work: Work
+) -> Array:
+    """Corrections (n, c) of the hole's colours: gradients stay, but for the mean of both pieces' across a seam."""
+    rows, columns = np.nonzero(level.hole)
+    number = np.full(labels.shape, -1)
+    number[level.hole] = np.arange(rows.size)
+    degree, right_side, spread = np.full(rows.size, SCREEN), np.zeros(colours.shape), _spread(level)
+    edges = []
+    for down, right in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        there_rows, there_columns = rows + down, columns + right
+        inside = (there_rows >= 0) & (there_rows < labels.shape[0])
+        inside &= (there_columns >= 0) & (there_columns < labels.shape[1])
+        here = np.flatnonzero(inside)
+        there_rows, there_columns = there_rows[here], there_columns[here]
+        there = number[there_rows, there_columns]
+        degree[here[there >= 0]] += 1
+        edges.append((here[there >= 0], there[there >= 0]))
+        mine, others = labels[rows[here], columns[here]], labels[there_rows, there_columns]
+        border = there < 0
+        at = np.flatnonzero(border | (mine != others))
+        p, q, border = here[at], there[at], border[at]
+        ahead, goes_on = views.looked_up(moves, mine[at], there_rows[at], there_columns[at])
+        # a piece that does not go on is taken to go on with the same colour
+        ahead = np.where(goes_on[:, None], ahead, colours[p])
+        beside, fits_here = views.looked_up(moves, others[at], rows[p], columns[p])
+        theirs = np.where(border[:, None], level.picture[there_rows[at], there_columns[at]], colours[q])
+        between = np.where(
+            (goes_on & fits_here & usable[p] & usable[q])[:, None], beside + theirs - colours[p] - ahead, 0
+        )
+        step = np.where(border[:, None], theirs - ahead, between / 2)
+        # a large difference is the outline of an element: bent away, it would smear
+        gentle = 1 / (1 + (_length(step) / (OUTLINE * spread)) ** 2)
+        right_side[p] += gentle[:, None] * step
+        degree[p[border]] += gentle[border]
+    correction: Array = relaxed(degree, edges, right_side, work).astype(np.float32)
+    return correction
+
+
+def _spread(level: Level) -> float:
+    """Total standard deviation of what is known."""
+    return float(np.sqrt(level.picture[~level.hole].var(axis=0, dtype=np.float64).sum())) or 1.0
+
+
+def _length(vectors: Array) -> Array:
+    """Euclidean lengths over the last axis."""
+    result: Array = np.sqrt((vectors**2).sum(axis=-1))
+    return result
+
+
+def _neighbours(number: Array) -> tuple[Array, Array]:
+    """All pairs of vertical and horizontal neighbours that have numbers (h, w) of 0 or more."""
+    ends = []
+    for one, other in ((number[:-1], number[1:]), (number[:, :-1], number[:, 1:])):
+        both = (one >= 0) & (other >= 0)
+        ends.append((one[both], other[both]))
+    return np.concatenate([one for one, _ in ends]), np.concatenate([other for _, other in ends])

@@ -1,0 +1,63 @@
+"""Texel scale in a hole, from what surrounds it."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex import Context
+from graphtex_nodes.numerics.continuation import continued, fitted_plane
+from graphtex_nodes.numerics.moves import Slope
+from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.perspective.feature_mask import feature_mask
+from graphtex_nodes.perspective.feature_scale import window_mean
+
+Array = NDArray[Any]
+
+EDGE = 4  # pixels around the hole where it makes false features
+SEEN = 0.25  # share of a window that must be known for its density to count
+STEEP = 0.05  # change of scale over the picture below which it counts as flat
+
+
+def continued_scale(scale: Array, hole: Array, harmonic: bool, work: Work) -> Array:
+    """A scale map (h, w) with values in the hole too: on a plane fitted to the others, or harmonic."""
+    return np.clip(continued(scale, ~hole, harmonic, work), 1 / 8, 8)
+
+
+def measured_scale(photo: Array, hole: Array, harmonic: bool, work: Work) -> Array:
+    """Scale map (h, w) of a photo by the density of features outside the hole; 1 where nothing can be told."""
+    measured, seen = _densities(photo, hole)
+    if not seen.any():
+        return np.ones(hole.shape, np.float32)
+    found = continued(measured, seen, True, work) if harmonic else fitted_plane(measured, seen)
+    return np.clip(found, 1 / 8, 8).astype(np.float32)
+
+
+def slope_of(scale: Array, hole: Array) -> Slope:
+    """How a scale map (h, w) changes around the middle of a hole, as that of a plane."""
+    row, column = (float(x) for x in np.argwhere(hole).mean(axis=0))
+    plane = fitted_plane(scale, np.ones(scale.shape, bool))
+    down = float(plane[-1, 0] - plane[0, 0]) / max(1, scale.shape[0] - 1)
+    right = float(plane[0, -1] - plane[0, 0]) / max(1, scale.shape[1] - 1)
+    here = float(plane[round(row), round(column)])
+    if abs(down) * scale.shape[0] + abs(right) * scale.shape[1] < STEEP * abs(here) or here <= 0:
+        return Slope(row, column)
+    return Slope(row, column, down / here, right / here)
+
+
+def _densities(photo: Array, hole: Array) -> tuple[Array, Array]:
+    """Scale by the density of features outside the hole (equation 1, bounded), and where enough is seen to tell."""
+    from scipy.ndimage import binary_dilation
+
+    filled = np.where(hole[..., None], photo[~hole].mean(axis=0), photo).astype(np.float32)
+    told: list[str] = []
+    features = feature_mask(filled, ctx=Context(threads=1, on_warning=told.append))
+    clear = ~binary_dilation(hole, iterations=EDGE)
+    window = max(3, min(hole.shape) // 4)
+    share = window_mean(clear.astype(np.float64), window)
+    seen = ~hole & (share >= SEEN)
+    if not (features & clear).any() or not seen.any():
+        return np.ones(hole.shape), np.zeros(hole.shape, bool)
+    density = window_mean((features & clear).astype(np.float64), window) / np.maximum(share, SEEN)
+    middle = (density[seen].min() + density[seen].max()) / 2
+    return 2 - density / middle, seen

@@ -1,0 +1,102 @@
+import numpy as np
+import pytest
+
+from graphtex_nodes.image.exemplars.bricks import bricks
+from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
+from graphtex_nodes.numerics.horizon import refined
+from graphtex_nodes.numerics.matching import Level, anchors, fits, laid_flat
+from graphtex_nodes.numerics.moves import Move, Slope, Views
+from graphtex_nodes.numerics.parallel import Quiet
+
+PLACES = np.array([3.0, 8.0, 15.0]), np.array([2.0, 9.0, 4.0])
+TILTED = Slope(10.0, 7.0, 0.05, -0.02)
+
+
+def test_plane_coordinates_by_hand():
+    """Five rows below the place, scale is 1 + 5 * 0.1 = 1.5."""
+    slope = Slope(2.0, 1.0, down=0.1)
+    v, u = slope.to_plane(np.array([7.0]), np.array([4.0]))
+    np.testing.assert_allclose([v[0], u[0]], [5 / 1.5, 2.0])
+
+
+def test_picture_and_plane_are_inverse():
+    for place, back in zip(PLACES, TILTED.to_picture(*TILTED.to_plane(*PLACES)), strict=True):
+        np.testing.assert_allclose(back, place)
+
+
+def test_move_sideways_follows_the_scale():
+    """Where scale is twice that at the place, a shift by 3 is one by 6 pixels, in the same row."""
+    rows, columns, enlarged = Move(Slope(0.0, 0.0, down=0.25), 0, 3).sources(np.array([0.0, 4.0]), np.array([0.0, 1.0]))
+    np.testing.assert_allclose(rows, [0, 4])
+    np.testing.assert_allclose(columns, [3, 7])
+    np.testing.assert_allclose(enlarged, [1, 1])
+
+
+def test_move_changes_size_by_the_ratio_of_scales():
+    rows, columns, enlarged = Move(TILTED, 2, -1).sources(*PLACES)
+    np.testing.assert_allclose(enlarged, TILTED.scale(*PLACES) / TILTED.scale(rows, columns))
+
+
+def test_nothing_comes_from_beyond_the_vanishing_line():
+    rows, columns, enlarged = Move(Slope(0.0, 0.0, down=0.1), 10, 0).sources(np.array([0.0]), np.array([0.0]))
+    assert (rows[0], columns[0], enlarged[0]) == (-1, -1, 1)
+
+
+def test_finer_move_takes_from_the_same_place():
+    """Pixel i of the smaller picture has its centre at 2 i + 1/2 of the larger one."""
+    coarse = Move(TILTED, 2, -1)
+    rows, columns, _ = coarse.sources(*PLACES)
+    fine_rows, fine_columns, _ = coarse.finer().sources(*(2 * place + 0.5 for place in PLACES))
+    np.testing.assert_allclose(fine_rows, 2 * rows + 0.5)
+    np.testing.assert_allclose(fine_columns, 2 * columns + 0.5)
+
+
+def test_plain_shifts_copy_exactly():
+    picture = np.random.default_rng(0).random((20, 30, 3)).astype(np.float32)
+    usable = np.ones((20, 30), bool)
+    usable[5, 9] = False
+    rows, columns = np.array([3, 2, 19]), np.array([4, 6, 6])
+    colours, sound, _ = Views.of(picture, usable).moved(Move(Slope(0.0, 0.0), 3, 3), rows, columns)
+    assert sound.tolist() == [True, False, False]
+    np.testing.assert_array_equal(colours[0], picture[6, 7])
+
+
+def level_of(picture, radius):
+    y, x = np.mgrid[: picture.shape[0], : picture.shape[1]]
+    hole = np.hypot(y - 90, x - 80) < radius
+    return Level(np.where(hole[..., None], picture[~hole].mean(axis=0), picture).astype(np.float32), ~hole, hole)
+
+
+def true_slope(scale, row, column):
+    down, right = np.gradient(scale.astype(np.float64))
+    here = float(scale[row, column])
+    return Slope(float(row), float(column), float(down.mean()) / here, float(right.mean()) / here)
+
+
+def test_shift_of_a_periodic_picture_is_found():
+    """All moves that fit are multiples of its periods, and fit exactly."""
+    tile = np.random.default_rng(1).random((12, 15, 2)).astype(np.float32)
+    level = level_of(np.tile(tile, (16, 12, 1)), 20)
+    sheet = laid_flat(Slope(90.0, 80.0), level)
+    found = fits(Slope(90.0, 80.0), sheet, anchors(sheet, 5), None, 2, Quiet())
+    assert len(found) == 10
+    for fit in found:
+        assert fit.move.down % 12 == fit.move.right % 15 == 0
+        assert fit.cost < 1e-6
+
+
+@pytest.mark.parametrize(("kind", "off"), [(woven_cloth, 0.6), (bricks, 1.5)])
+def test_vanishing_line_is_found_from_the_texture(kind, off):
+    """From a steepness that is off by half or more to within a tenth."""
+    made = kind(width=160, height=160, size=14.0, slant=55.0, rng=0)
+    truth = true_slope(made.scale, 90, 80)
+    given = Slope(90.0, 80.0, truth.down * off, truth.right * off)
+    found = refined(given, level_of(np.array(made.image), 24), Quiet())
+    assert found.down == pytest.approx(truth.down, rel=0.1)
+    assert abs(found.right) < 0.1 * abs(truth.down)
+
+
+def test_slope_of_a_texture_without_order_is_kept():
+    noise = np.random.default_rng(5).random((160, 160, 1)).astype(np.float32)
+    given = Slope(90.0, 80.0, 0.003)
+    assert refined(given, level_of(noise, 24), Quiet()) == given
