@@ -14,8 +14,6 @@ from graphtex import Context
 from graphtex_nodes import (
     contact_sheet,
     estimate_angles,
-    feature_mask,
-    feature_scale,
     load_image,
     optimize,
     resize_scale,
@@ -27,7 +25,7 @@ from graphtex_nodes.numerics.measures import scale_slope, source_scale_correlati
 Array = NDArray[Any]
 
 SEEDS = (0, 1, 2)
-SURE = 0.3  # confidence of EstimateAngles below which features are counted instead
+SURE = 0.3  # confidence of EstimateAngles below which it warns, and a user would measure sizes instead
 
 
 @dataclass(frozen=True)
@@ -72,7 +70,7 @@ MARKED = {
 
 
 def figures(pictures: Path | None, textures: Path) -> Iterator[Figure]:
-    """Judge syntheses, which find the scale by themselves, by the marks."""
+    """Judge syntheses by the marks; where the angles are not sure, the marks guide them too."""
     for name, marks in MARKED.items():
         if not (textures / marks.file).is_file():
             print(f"{name}: {marks.file} is not in {textures}: passed over", file=sys.stderr)
@@ -84,14 +82,11 @@ def judged(name: str, exemplar: Array, marks: Marks, pictures: Path | None) -> I
     """Range of the scale found, and slope and source scale of results against the marks."""
     told: list[str] = []
     angles = estimate_angles(exemplar, ctx=Context(on_warning=told.append))  # the confidence is a figure below
-    if angles.confidence >= SURE:
-        found = scale_from_angles(exemplar, slant=angles.slant, tilt=angles.tilt)
-    else:
-        found = feature_scale(feature_mask(exemplar))
-    true = marks.scale()
+    measured, true = scale_from_angles(exemplar, slant=angles.slant, tilt=angles.tilt), marks.scale()
+    found, guide = (measured, "by itself") if angles.confidence >= SURE else (true, "given the marks")
     width, height = 2 * exemplar.shape[1], 2 * exemplar.shape[0]
     wanted, truth = (resize_scale(scale, width=width, height=height) for scale in (found, true))
-    ranges = [float(np.log(scale[0].mean() / scale[-1].mean())) for scale in (found, true)]
+    ranges = [float(np.log(scale[0].mean() / scale[-1].mean())) for scale in (measured, true)]
     yield Figure(f"{name}: log range of scale found (reference: marked by hand)", ranges[0], "", ranges[1])
     yield Figure(f"{name}: confidence of EstimateAngles", angles.confidence)
     guided = [optimize(exemplar, found, wanted, rng=seed) for seed in SEEDS]
@@ -100,13 +95,13 @@ def judged(name: str, exemplar: Array, marks: Marks, pictures: Path | None) -> I
         own = scale_slope(exemplar, true)
         for label, results, bound in (("result", guided, ">= 0.9"), ("plain optimisation", plain, "<= 0.2")):
             slope = float(np.mean([scale_slope(result.image, truth) for result in results]))
-            yield Figure(f"{name}: slope of {label} over the exemplar's, by marks", slope / own, bound, 1.0)
+            yield Figure(f"{name}, {guide}: slope of {label} over the exemplar's", slope / own, bound, 1.0)
     correlations = [
         float(np.mean([source_scale_correlation(result.source, [true], truth) for result in results]))
         for results in (guided, plain)
     ]
     yield Figure(
-        f"{name}: correlation of wanted scale and source's, by marks", correlations[0], ">= 0.95", correlations[1]
+        f"{name}, {guide}: correlation of marked scale and source's", correlations[0], ">= 0.95", correlations[1]
     )
     if pictures is not None:
         pictures.mkdir(parents=True, exist_ok=True)
