@@ -1,6 +1,7 @@
 """Holes in generated planes: do the elements put there have the size that the perspective asks for?"""
 
 import sys
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,13 +50,17 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
     errors: dict[str, list[float]] = {name: [] for name in tools}
     distances: dict[str, list[float]] = {name: [] for name in tools}
     sources: dict[str, list[float]] = {name: [] for name in tools}
-    floor = []
+    seconds = dict.fromkeys(tools, 0.0)
+    floor, origin = [], []
     for number, case in enumerate(found):
         blanked = np.where(case.hole[..., None], np.float32(0.5), case.picture)
         shown = {"hole": blanked}
         floor.append(size_error(case.picture, case))
+        origin.append(source_error(case.picture, case))
         for name, tool in tools.items():
+            start = time.perf_counter()
             shown[name] = tool(blanked, case.hole, number)
+            seconds[name] += time.perf_counter() - start
             errors[name].append(size_error(shown[name], case))
             sources[name].append(source_error(shown[name], case))
             distances[name].append(100 * hole_distance(shown[name], case))
@@ -66,10 +71,12 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
             save_image(sheet, pictures / f"completion-{number}.png")
     noise = float(np.mean(floor))
     yield Figure(f"log size error of the truth itself in {len(found)} holes (taken off below)", noise**0.5)
+    yield Figure("log scale error of sources of the truth itself", root_mean_square(origin))
     excess = {name: max(0.0, float(np.mean(each)) - noise) ** 0.5 for name, each in errors.items()}
     measures = {
-        "log scale error of sources": ({name: float(np.mean(each)) for name, each in sources.items()}, SHARE),
+        "log scale error of sources": ({name: root_mean_square(each) for name, each in sources.items()}, SHARE),
         "log size error": (excess, SHARE),
+        "seconds": (seconds, None),
         "patch distance x 100": ({name: float(np.mean(each)) for name, each in distances.items()}, None),
     }
     for measure, (values, share) in measures.items():
@@ -78,6 +85,11 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
         for name, other in values.items():
             bound = "" if share is None else f"<= {share * other:.4g}"
             yield Figure(f"{measure} in holes, beside {name}'s", mine, bound, other)
+
+
+def root_mean_square(values: list[float]) -> float:
+    """Square root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def cases() -> list[Case]:
@@ -99,10 +111,12 @@ def cases() -> list[Case]:
 
 
 def source_error(picture: Array, case: Case) -> float:
-    """Mean absolute difference of log scale between windows of the hole and the known windows most like them.
+    """By how much the log scale of the known windows most like those of the hole differs from the hole's, on average.
 
-    Every tool copies, so this tells at which scale it should have copied and at which it did, without the chance of few
-    elements. Only windows that lie in the hole as a whole count.
+    Tools copy, so this tells at which scale they should have and at which they did, without the chance of few elements.
+    What is no copy, as the truth itself, finds windows of scattered scales: their mean is taken with its sign, for the
+    mean of absolute differences would be larger for the truth than for any tool. Only windows that lie in the hole as a
+    whole count.
     """
     from scipy.spatial import cKDTree
 
@@ -120,7 +134,7 @@ def source_error(picture: Array, case: Case) -> float:
     _, axes = np.linalg.eigh(np.cov((there - mean)[::5], rowvar=False))
     axes = axes[:, ::-1][:, :COMPONENTS]
     _, nearest = cKDTree((there - mean) @ axes).query((here - mean) @ axes, eps=APART)
-    return float(np.abs(log_scale[known][nearest] - log_scale[inside]).mean())
+    return float(abs((log_scale[known][nearest] - log_scale[inside]).mean()))
 
 
 def size_error(picture: Array, case: Case) -> float:
