@@ -26,6 +26,7 @@ from graphtex_nodes import (
 )
 from graphtex_nodes.image.save import save_image
 from graphtex_nodes.numerics.measures import patch_distance, scale_slope, source_scale_correlation
+from graphtex_nodes.numerics.sources import self_match
 
 Array = NDArray[Any]
 
@@ -112,6 +113,8 @@ def synthesis(name: str, planes: list[Plane], pictures: Path | None) -> Iterator
     for share, bound in (("coverage", ">= 0.7"), ("coherence", "")):
         values, others = ([getattr(result, share) for result in results] for results in (guided, plain))
         yield Figure(f"{name}: {share}", mean(values), bound, mean(others))
+    repeats, others = ([self_match(result.source) for result in results] for results in (guided, plain))
+    yield Figure(f"{name}: highest peak of the source map's self-match", mean(repeats), "", mean(others))
     distances, others = (
         [100 * patch_distance(r.image, p.image) for r, p in zip(rs, planes, strict=True)] for rs in (guided, plain)
     )

@@ -109,9 +109,12 @@ def plan(
     return fitting(result, masks)
 
 
-def eased(stages: Sequence[Stage], divisor: int) -> list[Stage]:
-    """The stages with their iterations divided, rounded up."""
-    return [Stage(stage.level, stage.window, -(-stage.iterations // divisor)) for stage in stages]
+def eased(stages: Sequence[Stage], divisor: int, *, finest: bool = True) -> list[Stage]:
+    """The stages with their iterations divided, rounded up; without ``finest`` the finest level has none if it can."""
+    return [
+        Stage(stage.level, stage.window, -(-stage.iterations // divisor) if finest or number == 0 or stage.level else 0)
+        for number, stage in enumerate(stages)
+    ]
 
 
 def fitting(stages: Sequence[Stage], usable: Sequence[NDArray[np.bool_]]) -> list[Stage]:

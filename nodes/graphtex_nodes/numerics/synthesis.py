@@ -158,7 +158,12 @@ def _open(
     if channels > colours and not settings.joint:
         groups.append((slice(colours, channels), 0.0))
     weights = [*(settings.weights or [1.0] * colours), *[1.0] * (channels - colours)]
-    basis = principal_basis(exemplar, window, groups, settings.variance, work, allowed, weights)
+    if stage.iterations:
+        basis = principal_basis(exemplar, window, groups, settings.variance, work, allowed, weights)
+        features = basis.project(exemplar, 1, work, allowed)
+    else:  # nothing is looked for: sources of the level before are only copied
+        basis = Basis(window, np.zeros((0, 0), np.float32), np.zeros(0, np.float32))
+        features = np.zeros((*(side - window + 1 for side in exemplar.shape[:2]), 0), np.float32)
     counted = slice(None) if given.usable is None else given.usable
     return _Level(
         exemplar=exemplar,
@@ -166,7 +171,7 @@ def _open(
         voted=problem.voted,
         frame=frame,
         basis=basis,
-        features=basis.project(exemplar, 1, work, allowed),
+        features=features,
         share=np.maximum(_centres(given.importance, window), 1e-3),
         histograms=Histograms(exemplar[..., : problem.voted], given.importance, counted),
         falloff=window_falloff(window, settings.falloff),

@@ -31,8 +31,8 @@ from graphtex_nodes.perspective._parameters import (
     Windows,
 )
 
-EFFORT = {"default": (1, 2), "fast": (2, 1), "preview": (4, 1)}
-"""What iterations are divided by (rounded up), and how many passes a search has."""
+EFFORT = {"default": (1, 2, True), "fast": (2, 1, True), "preview": (4, 1, False)}
+"""What iterations are divided by (rounded up), how many passes a search has, and whether the finest level searches."""
 
 
 class Synthesis(NamedTuple):
@@ -163,7 +163,8 @@ def optimize(
         their directions are wanted; each takes as much memory as the exemplar. Without ``arrows`` a copy that stands
         on its head is the same.
     quality
-        ``fast`` halves iterations and the passes of a search, ``preview`` leaves a quarter of the iterations.
+        ``fast`` halves iterations and the passes of a search, ``preview`` leaves a quarter of the iterations
+        and none on the finest level, to which what was found on the level before is copied.
 
     Returns
     -------
@@ -238,12 +239,12 @@ def optimize(
         wrap=(tileable in ("y", "both"), tileable in ("x", "both")),
         weights=weights,
     )
-    fewer, passes = EFFORT[quality]
+    fewer, passes, finest = EFFORT[quality]
     if windows and max(windows) > min(leader.shape[:2]) // 2:
         ctx.warn(
             f"windows: {max(windows)} is more than half of an exemplar of shape {leader.shape}: it is made smaller"
         )
-    plan = plans.eased(plans.plan(leader, problem.usable, levels, windows, iterations), fewer)
+    plan = plans.eased(plans.plan(leader, problem.usable, levels, windows, iterations), fewer, finest=finest)
     settings = Settings(exponent, histogram, evenness, variance, detail, passes, joint=pca == "joint", weights=weights)
     result = synthesise(problem, plan, settings, rng, ctx)
     if vote == "mean":

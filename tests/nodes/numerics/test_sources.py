@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.sources import Look, coherence, continued, coverage, source_map
+from graphtex_nodes.numerics.sources import Look, coherence, continued, coverage, self_match, source_map
 
 RAMP = np.stack(np.mgrid[:9, :7], axis=-1).astype(np.float32)  # channels tell row and column
 
@@ -74,3 +74,18 @@ def test_normals_turn_with_their_picture(kind, view, expected):
     scalar, *normal = Look(stack, ["scalar", kind]).at(point(1, 1, **view))[0]
     assert scalar == np.float32(0.3)
     np.testing.assert_allclose(np.array(normal) * 2 - 1, [*expected, 0.8], atol=1e-6)
+
+
+@pytest.mark.parametrize("shift", [(0, 20), (13, 0), (9, -17)])
+def test_self_match_of_a_repeated_piece(shift):
+    """A piece of 8 x 12 pixels occurs a second time: 96 pairs among all that overlap at this lag."""
+    row, column = np.mgrid[:40, :60]
+    sources = np.stack([row, column], axis=-1)
+    top, left = 4, 22
+    sources[top + shift[0] : top + shift[0] + 8, left + shift[1] : left + shift[1] + 12] = sources[4:12, 22:34]
+    share = 96 / ((40 - abs(shift[0])) * (60 - abs(shift[1])))
+    assert self_match(source_map(sources)) == pytest.approx(share, abs=0.06)
+
+
+def test_self_match_without_repeats():
+    assert self_match(source_map(np.stack(np.mgrid[:100, :120], axis=-1))) < 0.06

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.levels import automatic_levels, most_levels, stages
+from graphtex_nodes.numerics.levels import Stage, automatic_levels, eased, most_levels, stages
 from graphtex_nodes.numerics.structure import structure
 
 NOISE = np.random.default_rng(0).random((128, 128, 1)).astype(np.float32)
@@ -48,6 +48,13 @@ def test_most_levels():
 def test_stages_by_hand():
     plan = stages((64, 200), 3, (16, 8), 4)
     assert [(s.level, s.window, s.iterations) for s in plan] == [(2, 8, 6), (1, 16, 3), (1, 8, 3), (0, 8, 4)]
+
+
+def test_eased_stages():
+    plan = [Stage(1, 16, 3), Stage(1, 8, 3), Stage(0, 8, 4)]
+    assert [stage.iterations for stage in eased(plan, 2)] == [2, 2, 2]
+    assert [stage.iterations for stage in eased(plan, 4, finest=False)] == [1, 1, 0]
+    assert [stage.iterations for stage in eased(plan[2:], 4, finest=False)] == [1]  # one level alone must search
 
 
 def test_automatic_windows():
