@@ -12,7 +12,7 @@ from graphtex_nodes.numerics.parallel import Work
 
 Array = NDArray[Any]
 
-OVERLAP = 3
+OVERLAP = 8
 """Pixels around the hole over which pieces must agree with what is known."""
 RADII = 8, 40
 """Least and most pixels of the discs around them: about as far as the hole's middle is from its border."""
