@@ -159,7 +159,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("function", REFUSED, ids=lambda f: getattr(f, "__name__", str(f)))
+@pytest.mark.parametrize("function", REFUSED, ids=lambda f: getattr(f, "__name__", type(f).__name__))
 def test_refuses(function):
     with pytest.raises(DeclarationError, match=REFUSED[function]):
         node(function)
