@@ -138,7 +138,7 @@ def optimize(
         longer be seen and where pixels are related over short distances only; windows of 8 pixels, on the coarsest
         level before them of 16.
     iterations
-        On the finest level; each coarser one has one more, at most 12.
+        On the finest level; the next one has one more, coarser ones two more for each level, at most 12.
     exponent, histogram, evenness, variance, detail
         r of the energy; gain of histogram matching; charge for windows used more often than others of their scale, in
         mean distances; share of variance that PCA keeps, for colours and scale apart; how far its components of colour

@@ -47,7 +47,7 @@ def test_most_levels():
 
 def test_stages_by_hand():
     plan = stages((64, 200), 3, (16, 8), 4)
-    assert [(s.level, s.window, s.iterations) for s in plan] == [(2, 8, 6), (1, 16, 3), (1, 8, 3), (0, 8, 4)]
+    assert [(s.level, s.window, s.iterations) for s in plan] == [(2, 8, 8), (1, 16, 3), (1, 8, 3), (0, 8, 4)]
 
 
 def test_eased_stages():
