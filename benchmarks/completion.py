@@ -71,10 +71,14 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
             save_image(sheet, pictures / f"completion-{number}.png")
     noise = float(np.mean(floor))
     yield Figure(f"log size error of the truth itself in {len(found)} holes (taken off below)", noise**0.5)
-    yield Figure("log scale error of sources of the truth itself", root_mean_square(origin))
+    astray = float(np.mean(np.square(origin)))
+    yield Figure("log scale error of sources of the truth itself (taken off below too)", astray**0.5)
     excess = {name: max(0.0, float(np.mean(each)) - noise) ** 0.5 for name, each in errors.items()}
+    excess_of_sources = {
+        name: max(0.0, float(np.mean(np.square(each))) - astray) ** 0.5 for name, each in sources.items()
+    }
     measures = {
-        "log scale error of sources": ({name: root_mean_square(each) for name, each in sources.items()}, SHARE),
+        "log scale error of sources": (excess_of_sources, SHARE),
         "log size error": (excess, SHARE),
         "seconds": (seconds, None),
         "patch distance x 100": ({name: float(np.mean(each)) for name, each in distances.items()}, None),
@@ -85,11 +89,6 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
         for name, other in values.items():
             bound = "" if share is None else f"<= {share * other:.4g}"
             yield Figure(f"{measure} in holes, beside {name}'s", mine, bound, other)
-
-
-def root_mean_square(values: list[float]) -> float:
-    """Square root of the mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def cases() -> list[Case]:
