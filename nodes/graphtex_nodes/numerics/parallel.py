@@ -72,6 +72,10 @@ SLICE = 3e7
 """Elementary steps in a band: 0.02 to 0.2 s, so that cancelling is quick and threads share the rows evenly."""
 
 
+WORTH_THREADS = 2e6
+"""Elementary steps in all, a few milliseconds, below which starting threads costs more than they save."""
+
+
 def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: Work) -> None:
     """Call ``task(first, stop)`` on bands that cover ``range(rows)``.
 
@@ -87,10 +91,11 @@ def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: W
         ``work.check()`` is called between bands, on the calling thread.
     """
     band = max(1, min(rows, int(SLICE / max(cost, 1.0))))
-    if work.threads > 1:
+    several = work.threads > 1 and rows * cost > WORTH_THREADS
+    if several:
         band = max(1, min(band, -(-rows // (2 * work.threads))))
     starts = range(0, rows, band)
-    if work.threads <= 1 or len(starts) == 1:
+    if not several or len(starts) == 1:
         for first in starts:
             work.check()
             task(first, min(first + band, rows))

@@ -27,6 +27,7 @@ def run(problem, threads=1, seed=0, **settings):
 def test_threads_and_bands_change_no_byte(problem, monkeypatch):
     first = run(problem)
     monkeypatch.setattr(parallel, "SLICE", 2e3)
+    monkeypatch.setattr(parallel, "WORTH_THREADS", 0)
     second = run(problem, threads=3)
     np.testing.assert_array_equal(first.image, second.image)
     np.testing.assert_array_equal(first.source, second.source)
