@@ -9,7 +9,7 @@ from graphtex_nodes.image.exemplars.sample import ELEMENTS
 
 Name = Literal["berries", "blossoms", "leaves", "oranges", "tiles"]
 
-TAGS: dict[Name, str] = {"berries": "F=c", "blossoms": "F=d", "leaves": "F=d", "oranges": "F=d", "tiles": "B=c"}
+TAGS: dict[Name, str] = {"berries": "F=d", "blossoms": "F=d", "leaves": "F=d", "oranges": "F=d", "tiles": "B=c"}
 
 
 @opener(Texture, scheme="sample")
@@ -17,8 +17,8 @@ TAGS: dict[Name, str] = {"berries": "F=c", "blossoms": "F=d", "leaves": "F=d", "
 def sample_texture(*, name: Annotated[Name, Field(description="which sample")], ctx: Context = QUIET) -> Texture:
     """A texture with its true mask and texton points: ``sample:oranges`` where a graph wants a texture.
 
-    Its picture is that of `Sample`. ``berries`` touch (tag ``F=c``), ``tiles`` are bricks in mortar (``B=c``), the
-    elements of the others lie apart (``F=d``).
+    Its picture is that of `Sample`. ``tiles`` are bricks in mortar (tag ``B=c``), the elements of the others keep
+    their shape (``F=d``), also those of ``berries``, which touch: moved as one piece (``F=c``) they would be torn.
 
     Returns
     -------
