@@ -55,5 +55,5 @@ def test_near_and_far():
     """The upper rows come from the far picture, the lower ones from the near."""
     result = gt.run(gt.load("perspective/near-and-far"), dict(SIZE), only=["source"], cache=False)
     index = result["source"][..., INDEX]
-    assert index[:15].mean() > 0.75  # 0.81 to 0.93 over seeds; about half without scales
+    assert index[:15].mean() > 0.75  # 0.74 to 0.93 over seeds; 0.13 to 0.50 without scales
     assert index[-15:].mean() < 0.1
