@@ -27,21 +27,6 @@ class Work(Protocol):
         """Tell the user about a doubtful result."""
 
 
-class Quiet:
-    """Work on one thread that nobody watches."""
-
-    threads = 1
-
-    def check(self) -> None:
-        """Do nothing: it cannot be cancelled."""
-
-    def progress(self, fraction: float, message: str = "") -> None:
-        """Do nothing."""
-
-    def warn(self, message: str) -> None:
-        """Do nothing."""
-
-
 @dataclass(frozen=True)
 class Portion:
     """A part of some work, ``share`` of it from ``first`` on."""

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from graphtex import Context
 from graphtex_nodes.numerics.local_spectra import local_spectra, to_plane_frequencies
-from graphtex_nodes.numerics.parallel import Quiet
 from graphtex_nodes.numerics.plane import Plane, seen_plane, slant_of
 
 PLANE = Plane(200, 160, 35.0, 1.0, 1.0, 0.004)
@@ -31,7 +31,7 @@ def test_a_wave_on_the_plane_has_one_frequency_there():
     u, v = PLANE.to_plane(*PLANE.rotate(x, y))
     wave = np.array([0.10, 0.07])
     picture = np.sqrt(2) * np.cos(2 * np.pi * (u * wave[0] + v * wave[1]))
-    spectra = local_spectra(picture[None], PLANE, None, Quiet())
+    spectra = local_spectra(picture[None], PLANE, None, Context())
     across, along = PLANE.rotate(spectra.x, spectra.y)
     sin, cos = np.sin(np.radians(35.0)), np.cos(np.radians(35.0))
     for window in range(spectra.count):
@@ -50,8 +50,8 @@ def test_windows_keep_to_what_is_usable():
     usable = np.zeros((160, 200), bool)
     usable[:, 100:] = True
     noise = np.random.default_rng(0).standard_normal((160, 200))
-    spectra = local_spectra(noise[None], PLANE, usable, Quiet())
-    assert 0 < spectra.count < local_spectra(noise[None], PLANE, None, Quiet()).count
+    spectra = local_spectra(noise[None], PLANE, usable, Context())
+    assert 0 < spectra.count < local_spectra(noise[None], PLANE, None, Context()).count
     assert spectra.x.min() > 100
 
 

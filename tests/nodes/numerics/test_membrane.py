@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from graphtex import Context
 from graphtex_nodes.numerics import membrane
-from graphtex_nodes.numerics.parallel import Quiet
 
 RNG = np.random.default_rng(8)
 
@@ -14,7 +14,7 @@ def hole_in(shape, hole):
 
 
 def solved(image, source, exemplar, wrap=(False, False)):
-    return membrane.join_known(image, source, exemplar, np.ones(exemplar.shape[:2], bool), wrap, Quiet())
+    return membrane.join_known(image, source, exemplar, np.ones(exemplar.shape[:2], bool), wrap, Context())
 
 
 def test_constant_step_vanishes(monkeypatch):

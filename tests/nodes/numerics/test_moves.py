@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
+from graphtex import Context
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.numerics.horizon import refined
 from graphtex_nodes.numerics.matching import Level, anchors, fits, laid_flat
 from graphtex_nodes.numerics.moves import Move, Slope, Views
-from graphtex_nodes.numerics.parallel import Quiet
 
 PLACES = np.array([3.0, 8.0, 15.0]), np.array([2.0, 9.0, 4.0])
 TILTED = Slope(10.0, 7.0, 0.05, -0.02)
@@ -78,7 +78,7 @@ def test_shift_of_a_periodic_picture_is_found():
     tile = np.random.default_rng(1).random((12, 15, 2)).astype(np.float32)
     level = level_of(np.tile(tile, (16, 12, 1)), 20)
     sheet = laid_flat(Slope(90.0, 80.0), level)
-    found = fits(Slope(90.0, 80.0), sheet, anchors(sheet, 5), None, 2, Quiet())
+    found = fits(Slope(90.0, 80.0), sheet, anchors(sheet, 5), None, 2, Context())
     assert len(found) == 10
     for fit in found:
         assert fit.move.down % 12 == fit.move.right % 15 == 0
@@ -91,7 +91,7 @@ def test_vanishing_line_is_found_from_the_texture(kind, off):
     made = kind(width=160, height=160, size=14.0, slant=55.0, rng=0)
     truth = true_slope(made.scale, 90, 80)
     given = Slope(90.0, 80.0, truth.down * off, truth.right * off)
-    found = refined(given, level_of(np.array(made.image), 24), Quiet())
+    found = refined(given, level_of(np.array(made.image), 24), Context())
     assert found.down == pytest.approx(truth.down, rel=0.1)
     assert abs(found.right) < 0.1 * abs(truth.down)
 
@@ -99,4 +99,4 @@ def test_vanishing_line_is_found_from_the_texture(kind, off):
 def test_slope_of_a_texture_without_order_is_kept():
     noise = np.random.default_rng(5).random((160, 160, 1)).astype(np.float32)
     given = Slope(90.0, 80.0, 0.003)
-    assert refined(given, level_of(noise, 24), Quiet()) == given
+    assert refined(given, level_of(noise, 24), Context()) == given

@@ -1,6 +1,6 @@
 import numpy as np
 
-from graphtex_nodes.numerics.parallel import Quiet
+from graphtex import Context
 from graphtex_nodes.numerics.seams import fade_seams, move_seams
 from graphtex_nodes.numerics.sources import coherence
 
@@ -25,7 +25,7 @@ def test_seam_moves_to_where_the_pieces_agree():
     exemplar = exemplar_that_agrees_at(9)
     source = two_pieces(8)
     image = np.zeros((12, 20, 3), np.float32)
-    moved = move_seams(exemplar, USABLE, image, source, pull=0.0, join=0.01, passes=4, work=Quiet())
+    moved = move_seams(exemplar, USABLE, image, source, pull=0.0, join=0.01, passes=4, work=Context())
     np.testing.assert_array_equal(moved, two_pieces(9))
     np.testing.assert_array_equal(source, two_pieces(8))
 
@@ -34,7 +34,7 @@ def test_a_piece_that_fits_stays_whole():
     exemplar = RNG.random((12, 60, 3)).astype(np.float32)
     whole = two_pieces(20)
     moved = move_seams(
-        exemplar, USABLE, np.zeros((12, 20, 3), np.float32), whole, pull=1.0, join=0.0, passes=3, work=Quiet()
+        exemplar, USABLE, np.zeros((12, 20, 3), np.float32), whole, pull=1.0, join=0.0, passes=3, work=Context()
     )
     np.testing.assert_array_equal(moved, whole)
 
@@ -44,7 +44,7 @@ def test_lone_pixel_is_absorbed():
     source = two_pieces(20)
     source[5, 6] = 3, 50
     moved = move_seams(
-        exemplar, USABLE, exemplar[:, :20], source, pull=0.1, join=0.1, passes=1, work=Quiet()
+        exemplar, USABLE, exemplar[:, :20], source, pull=0.1, join=0.1, passes=1, work=Context()
     )  # fmt: skip
     assert coherence(moved) == 1
 
@@ -54,7 +54,7 @@ def test_unusable_pixels_are_not_taken():
     usable = USABLE.copy()
     usable[:, 8:20] = 0
     moved = move_seams(
-        exemplar, usable, np.zeros((12, 20, 3), np.float32), two_pieces(8), pull=0, join=1, passes=9, work=Quiet()
+        exemplar, usable, np.zeros((12, 20, 3), np.float32), two_pieces(8), pull=0, join=1, passes=9, work=Context()
     )
     assert usable[moved[..., 0], moved[..., 1]].all()
 
@@ -62,7 +62,7 @@ def test_unusable_pixels_are_not_taken():
 def test_fading_mixes_near_the_seam_only():
     exemplar = RNG.random((12, 60, 3)).astype(np.float32)
     source = two_pieces(10)
-    image = fade_seams(exemplar, USABLE, source, radius=2, channels=3, work=Quiet())
+    image = fade_seams(exemplar, USABLE, source, radius=2, channels=3, work=Context())
     np.testing.assert_array_equal(image[:, :8], exemplar[:, :8])
     np.testing.assert_array_equal(image[:, 12:], exemplar[:, 42:50])
     left, right = exemplar[:, 9], exemplar[:, 39]
@@ -76,6 +76,6 @@ def test_fading_leaves_out_what_cannot_be_continued():
     exemplar = RNG.random((12, 60, 3)).astype(np.float32)
     row, column = np.mgrid[:12, :20]
     source = np.stack([row, np.where(column < 10, column + 20, column - 10)], axis=-1).astype(np.int32)
-    image = fade_seams(exemplar, USABLE, source, radius=2, channels=3, work=Quiet())
+    image = fade_seams(exemplar, USABLE, source, radius=2, channels=3, work=Context())
     np.testing.assert_allclose(image[:, :10], exemplar[:, 20:30], atol=1e-6)
     assert np.abs(image[:, 10] - exemplar[:, 0]).max() > 0.01

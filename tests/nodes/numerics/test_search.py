@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.parallel import Quiet
+from graphtex import Context
 from graphtex_nodes.numerics.search import search_exact, search_warm
 
 RNG = np.random.default_rng(5)
@@ -15,7 +15,7 @@ def all_costs(charge):
 
 def test_exact_against_all_distances():
     charge = (RNG.random((11, 13)) * 0.3).astype(np.float32)
-    field, costs = search_exact(WINDOWS, EXEMPLAR, charge, Quiet())
+    field, costs = search_exact(WINDOWS, EXEMPLAR, charge, Context())
     expected = all_costs(charge).reshape(9, 7, -1)
     np.testing.assert_array_equal(field[..., 0] * 13 + field[..., 1], expected.argmin(-1))
     np.testing.assert_allclose(costs, expected.min(-1), rtol=1e-5)
@@ -25,9 +25,9 @@ def test_exact_against_all_distances():
 def test_infinite_charge_is_never_chosen(warm):
     charge = np.full((11, 13), np.inf, np.float32)
     charge[4:6, 3] = 0
-    field, _ = search_exact(WINDOWS, EXEMPLAR, charge, Quiet())
+    field, _ = search_exact(WINDOWS, EXEMPLAR, charge, Context())
     if warm:
-        field, _ = search_warm(WINDOWS, EXEMPLAR, charge, field, step=1, seed=1, passes=3, work=Quiet())
+        field, _ = search_warm(WINDOWS, EXEMPLAR, charge, field, step=1, seed=1, passes=3, work=Context())
     assert set(map(tuple, field.reshape(-1, 2).tolist())) <= {(4, 3), (5, 3)}
 
 
@@ -36,7 +36,7 @@ def test_warm_passes_never_get_worse_and_near_the_best():
     field = np.zeros((9, 7, 2), np.int32)
     before = all_costs(charge)[..., 0, 0]
     for seed in range(60):
-        field, costs = search_warm(WINDOWS, EXEMPLAR, charge, field, step=2, seed=seed, passes=2, work=Quiet())
+        field, costs = search_warm(WINDOWS, EXEMPLAR, charge, field, step=2, seed=seed, passes=2, work=Context())
         assert (costs <= before + 1e-6).all()
         before = costs
     best = all_costs(charge).min(axis=(2, 3))
@@ -51,7 +51,7 @@ def test_good_source_spreads_to_neighbours():
     field[8, 8] = 5 + 16, 3 + 16
     for seed in range(4):
         field, costs = search_warm(
-            windows, exemplar, np.zeros((40, 40), np.float32), field, step=2, seed=seed, passes=3, work=Quiet()
+            windows, exemplar, np.zeros((40, 40), np.float32), field, step=2, seed=seed, passes=3, work=Context()
         )
     assert np.mean(costs == 0) == 1
     np.testing.assert_array_equal(field[0, 0], [5, 3])

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from graphtex import Context
 from graphtex_nodes.numerics import parallel
 from graphtex_nodes.numerics.frames import Frame
 from graphtex_nodes.numerics.levels import stages
@@ -15,8 +16,7 @@ TARGET = np.repeat(np.linspace(0.5, 2, 50, dtype=np.float32)[:, None], 61, axis=
 
 
 def run(problem, threads=1, seed=0, **settings):
-    work = parallel.Quiet()
-    work.threads = threads
+    work = Context(threads)
     plan = stages(problem.exemplar.shape, 3, (16, 8), 2)
     return synthesise(problem, plan, Settings(**settings), np.random.default_rng(seed), work)
 

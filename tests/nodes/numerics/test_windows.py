@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.parallel import Quiet
+from graphtex import Context
 from graphtex_nodes.numerics.windows import Basis, Grid, evened, leading_directions, principal_basis
 
 RNG = np.random.default_rng(3)
@@ -23,7 +23,7 @@ def test_projection_is_a_matrix_product(step):
     mean = RNG.standard_normal(6).astype(np.float32)
     views = np.lib.stride_tricks.sliding_window_view(image, (4, 4), axis=(0, 1))[::step, ::step]
     windows = np.moveaxis(views, 2, -1).reshape(*views.shape[:2], -1)
-    found = Basis(4, directions, mean).project(image, step, Quiet())
+    found = Basis(4, directions, mean).project(image, step, Context())
     np.testing.assert_allclose(found, windows @ directions - mean, atol=1e-5)
 
 
@@ -45,8 +45,8 @@ def test_leading_directions_against_lapack():
 def test_basis_keeps_distances():
     """With nearly all variance kept, distances between coordinates are those between windows."""
     image = np.cumsum(RNG.standard_normal((30, 30, 3)), axis=1).astype(np.float32)
-    basis = principal_basis(image, 4, [(slice(0, 2), 0.0), (slice(2, 3), 0.0)], 0.9999, Quiet())
-    places = basis.project(image, 1, Quiet())
+    basis = principal_basis(image, 4, [(slice(0, 2), 0.0), (slice(2, 3), 0.0)], 0.9999, Context())
+    places = basis.project(image, 1, Context())
     true = ((image[2:6, 3:7] - image[20:24, 11:15]) ** 2).sum()
     assert ((places[2, 3] - places[20, 11]) ** 2).sum() == pytest.approx(true, rel=0.02)
 
@@ -54,21 +54,21 @@ def test_basis_keeps_distances():
 def test_large_windows_are_pooled():
     """16 x 16 x 3 is over the limit: coordinates are those of windows whose blocks of 2 x 2 are replaced by their mean."""
     image = RNG.random((40, 41, 3)).astype(np.float32)
-    basis = principal_basis(image, 16, [(slice(0, 3), 0.0)], 0.5, Quiet())
+    basis = principal_basis(image, 16, [(slice(0, 3), 0.0)], 0.5, Context())
     kept = basis.directions[:, np.abs(basis.directions).sum(axis=0) > 0]
     np.testing.assert_allclose(kept.T @ kept, np.eye(kept.shape[1]), atol=1e-5)
     blocks = image[3:19, 5:21].reshape(8, 2, 8, 2, 3)
     means = blocks.mean(axis=(1, 3), keepdims=True)
     smooth = image.copy()
     smooth[3:19, 5:21] = np.broadcast_to(means, blocks.shape).reshape(16, 16, 3)
-    found = basis.project(image, 1, Quiet())[3, 5]
-    np.testing.assert_allclose(found, basis.project(smooth, 1, Quiet())[3, 5], atol=1e-5)
+    found = basis.project(image, 1, Context())[3, 5]
+    np.testing.assert_allclose(found, basis.project(smooth, 1, Context())[3, 5], atol=1e-5)
     np.testing.assert_allclose(found, 2 * means.ravel() @ basis.directions - basis.mean, atol=1e-4)
 
 
 def test_constant_image():
-    basis = principal_basis(np.full((9, 9, 1), 0.5, np.float32), 4, [(slice(0, 1), 0.3)], 0.95, Quiet())
-    assert np.abs(basis.project(np.full((6, 6, 1), 0.5, np.float32), 1, Quiet())).max() < 1e-6
+    basis = principal_basis(np.full((9, 9, 1), 0.5, np.float32), 4, [(slice(0, 1), 0.3)], 0.95, Context())
+    assert np.abs(basis.project(np.full((6, 6, 1), 0.5, np.float32), 1, Context())).max() < 1e-6
 
 
 @pytest.mark.parametrize(("share", "ratio"), [(0.0, 2.0), (0.5, 2**0.5), (1.0, 1.0)])

@@ -9,7 +9,6 @@ from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.exemplars.sample_mask import sample_mask
 from graphtex_nodes.numerics.continuation import continued, fitted_plane
 from graphtex_nodes.numerics.moves import Slope
-from graphtex_nodes.numerics.parallel import Quiet
 from graphtex_nodes.perspective.complete import complete
 from tests.nodes.perspective.holes import KINDS, hole_of
 
@@ -210,7 +209,7 @@ def test_harmonic_values_are_means_of_their_neighbours():
     known = np.ones(SLOPE.shape, bool)
     known[10:25, 12:30] = False
     values = (SLOPE + RNG.random(SLOPE.shape) * 0.1).astype(np.float32)
-    found = continued(values, known, True, Quiet()).astype(np.float64)
+    found = continued(values, known, True, Context()).astype(np.float64)
     mean = (found[:-2, 1:-1] + found[2:, 1:-1] + found[1:-1, :-2] + found[1:-1, 2:]) / 4
     inner = ~known[1:-1, 1:-1]
     np.testing.assert_allclose(found[1:-1, 1:-1][inner], mean[inner], atol=1e-4)
