@@ -3,10 +3,11 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from benchmarks import splicing_warp
+from benchmarks import splicing_detection, splicing_warp
 from benchmarks.figures import Figure
 
 
 def figures(pictures: Path | None) -> Iterator[Figure]:
-    """Warp and speed."""
+    """Detection and foreground, warp and speed."""
+    yield from splicing_detection.figures(pictures)
     yield from splicing_warp.figures(pictures)

@@ -54,6 +54,7 @@ from graphtex_nodes.splicing.align_distributions import align_distributions
 from graphtex_nodes.splicing.appearance_vectors import appearance_vectors
 from graphtex_nodes.splicing.arrange_path import arrange_path, arrange_points
 from graphtex_nodes.splicing.arrange_pattern import arrange_pattern
+from graphtex_nodes.splicing.draw_elements import draw_elements
 from graphtex_nodes.splicing.extend_texture import extend_texture
 from graphtex_nodes.splicing.factor_warp import factor_warp
 from graphtex_nodes.splicing.find_textons import find_textons
@@ -66,6 +67,7 @@ from graphtex_nodes.splicing.rigid_warp import rigid_warp
 from graphtex_nodes.splicing.self_similarity import self_similarity
 from graphtex_nodes.splicing.separate_foreground import separate_foreground
 from graphtex_nodes.splicing.split_texture import split_texture
+from graphtex_nodes.splicing.texture_entry import texture_entry
 from graphtex_nodes.splicing.vary_elements import vary_elements
 
 __all__ = [
@@ -77,6 +79,7 @@ __all__ = [
     "bricks",
     "complete",
     "contact_sheet",
+    "draw_elements",
     "estimate_angles",
     "exemplar_inpaint",
     "extend_texture",
@@ -133,6 +136,7 @@ __all__ = [
     "split_texture",
     "stack_maps",
     "textons",
+    "texture_entry",
     "vary_elements",
     "view_scale",
     "woven_cloth",

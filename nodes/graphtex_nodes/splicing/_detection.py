@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from graphtex import Context
 from graphtex_nodes.numerics.appearance import appearance_space
 from graphtex_nodes.splicing._peaks import local_maxima, score_floor, suppress
-from graphtex_nodes.splicing._poses import Poses, best_poses, refined
+from graphtex_nodes.splicing._poses import Poses, best_poses, refined, templates
 from graphtex_nodes.splicing._templates import Example
 from graphtex_nodes.splicing._unlit import unlit
 
@@ -70,7 +70,9 @@ def detect(
         for e in examples
     ]
     space = appearance_space(small)
-    similarity, angles, scales, kinds = best_poses(small, space, scaled, turn, growth, ctx)
+    similarity, angles, scales, kinds = best_poses(
+        small, space, scaled, templates(turn, growth, 2 if trial else 1), ctx
+    )
     reach = max(1, round(min(min(e.width, e.height) for e in scaled) / 6))
     points, scores = local_maxima(similarity, reach)
     column, row = np.rint(points).astype(int).T

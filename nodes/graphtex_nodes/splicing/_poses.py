@@ -52,27 +52,26 @@ class Poses:
         return Poses(self.points, self.angles + angle, self.scales, self.scores, self.kinds)
 
 
-def templates(turn: float, growth: float) -> list[tuple[float, float]]:
-    """Angles and scales to look for, the plain one first."""
-    turns = int(np.ceil(turn / ANGLE_STEP - 1e-9))
+def templates(turn: float, growth: float, coarseness: int) -> list[tuple[float, float]]:
+    """Angles and scales to look for, the plain one first; `coarseness` times the usual steps apart."""
+    turns = int(np.ceil(turn / ANGLE_STEP / coarseness - 1e-9))
     angles = np.linspace(-turn, turn, 2 * turns + 1) if turns else np.zeros(1)
     if turn >= 180:
         angles = angles[1:]  # both ends are the same
-    sizes = int(np.ceil(np.log(growth) / np.log(SCALE_STEP) - 1e-9))
+    sizes = int(np.ceil(np.log(growth) / np.log(SCALE_STEP) / coarseness - 1e-9))
     scales = growth ** np.linspace(-1, 1, 2 * sizes + 1) if sizes else np.ones(1)
     pairs = [(float(angle), float(scale)) for scale in scales for angle in angles]
     return sorted(pairs, key=lambda pair: (abs(np.log(pair[1])), abs(pair[0]), pair))
 
 
 def best_poses(
-    image: Array, space: AppearanceSpace, examples: list[Example], turn: float, growth: float, ctx: Context
+    image: Array, space: AppearanceSpace, examples: list[Example], pairs: list[tuple[float, float]], ctx: Context
 ) -> tuple[Array, Array, Array, Array]:
     """Score, angle, scale and example (h, w) of the best matching template on each pixel."""
-    turned = turn > 0 or growth > 1
+    turned = len(pairs) > 1
     channels = CHANNELS if turned else space.mean.size
     appearance = space.project(image)[..., :channels]
-    pairs = templates(turn, growth)
-    largest = max(max(example.width, example.height) for example in examples) * growth
+    largest = max(max(example.width, example.height) for example in examples) * max(scale for _, scale in pairs)
     correlator = Correlator(appearance, (int(largest) + 3,) * 2, ctx.threads)
     best = np.full(image.shape[:2], -np.inf)
     angles, scales, kinds = np.zeros(best.shape), np.ones(best.shape), np.zeros(best.shape, np.int64)

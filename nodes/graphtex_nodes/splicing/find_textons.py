@@ -72,7 +72,8 @@ def find_textons(
     Returns
     -------
     elements, points
-        The strongest first. A centre is where the example's given centre would be.
+        The strongest first. A centre is where the example's given centre would be. `elements` has those too that are
+        cut by the border with their centre outside, `points` has not.
     scores
         Correlation with the mean element, at most 1.
     width, height
@@ -114,8 +115,10 @@ def find_textons(
     poses = found.poses
     if not len(poses.points):
         raise ValueError(f"least_score: expected at least one element, got none with a score of {least_score}")
+    last = np.array(image.shape[1::-1]) - 1
+    within = ((poses.points >= 0) & (poses.points <= last)).all(axis=1)
     return Textons(
-        Elements(poses.points, poses.angles, poses.scales), poses.points, poses.scores.astype(np.float64),
+        Elements(poses.points, poses.angles, poses.scales), poses.points[within], poses.scores.astype(np.float64),
         float(np.mean([e.width for e in given])), float(np.mean([e.height for e in given])),
         _enlarged(found.similarity, found.step, image.shape[:2]),
         float(poses.scores.mean()) if confidence < 0 else confidence,

@@ -3,11 +3,11 @@ from functools import partial
 import numpy as np
 import pytest
 
+from benchmarks.splicing_detection import agreement, central
 from graphtex import Context
 from graphtex_nodes import find_textons, textons
 from graphtex_nodes.splicing._peaks import cover, local_maxima, score_floor, suppress
 from graphtex_nodes.splicing._unlit import unlit
-from tests.nodes.splicing.detection import agreement, central
 
 small = partial(textons, width=144, height=128, size=20.0)
 SETS = {
@@ -23,7 +23,7 @@ SETS = {
 def test_given_element(name):
     made = SETS[name](rng=1)
     size = SETS[name].keywords["size"]
-    found = find_textons(made.image, examples=[central(made, size)[1]])
+    found = find_textons(made.image, examples=[central(made)[1]])
     assert agreement(found.points, made, size)[0] >= 0.98
     assert found.confidence > 0.9
 
@@ -38,8 +38,8 @@ def test_automatic(name):
 def test_two_kinds():
     """One example finds its own kind, two find both."""
     made = small(form="flower", other="disc", arrangement="hexagonal", spacing=1.25, rng=3)
-    index, first = central(made, 20.0)
-    second = central(made, 20.0, unlike=index)[1]
+    index, first = central(made)
+    second = central(made, index)[1]
     both = agreement(find_textons(made.image, examples=[first, second]).points, made, 20.0)[0]
     assert both >= 0.98
     assert agreement(find_textons(made.image, examples=[first]).points, made, 20.0)[0] < 0.8
@@ -49,9 +49,9 @@ def test_turned_and_sized():
     made = textons(
         width=200, height=176, form="leaf", size=30.0, arrangement="random", turn=180.0, growth=1.2, spacing=1.0, rng=5
     )
-    index, example = central(made, 30.0)
+    index, example = central(made)
     found = find_textons(made.image, examples=[example], turn=180.0, growth=1.5)
-    share, which, true = agreement(found.points, made, 30.0)
+    share, which, true = agreement(found.elements.points, made, 30.0)
     assert share >= 0.98
     inner = (np.abs(made.centres[true] - (99.5, 87.5)) < (82, 70)).all(axis=1)
     which, true = which[inner], true[inner]
@@ -63,7 +63,7 @@ def test_turned_and_sized():
 
 def test_places_are_between_pixels():
     made = small(rng=6)
-    found = find_textons(made.image, examples=[central(made, 20.0)[1]])
+    found = find_textons(made.image, examples=[central(made)[1]])
     _, which, true = agreement(found.points, made, 20.0)
     assert np.median(np.hypot(*(found.points[which] - made.centres[true]).T)) < 0.15
 
@@ -71,7 +71,7 @@ def test_places_are_between_pixels():
 def test_literal_search_finds_noise_too():
     """The paper's channel choice and stop are worse than the default on the same element."""
     made = SETS["random"](rng=1)
-    example = central(made, 20.0)[1]
+    example = central(made)[1]
     literal = find_textons(made.image, examples=[example], search="literal")
     assert agreement(literal.points, made, 20.0)[0] < 0.9
     assert literal.similarity.shape == (128, 144, 1)
@@ -80,7 +80,7 @@ def test_literal_search_finds_noise_too():
 def test_grey_four_channels_and_one_element():
     """Brightness alone will do; a fourth channel is one more; a single element is found once."""
     made = small(form="leaf", rng=7)
-    example = central(made, 20.0)[1]
+    example = central(made)[1]
     grey = made.image.mean(axis=2, keepdims=True)
     for image in (grey, np.concatenate([made.image, grey], axis=2)):
         assert agreement(find_textons(image, examples=[example]).points, made, 20.0)[0] >= 0.95
@@ -99,7 +99,7 @@ def test_threads_change_nothing():
 
 def test_large_element_searches_a_smaller_picture():
     made = textons(width=400, height=400, size=80.0, rng=1)
-    found = find_textons(made.image, examples=[central(made, 80.0)[1]])
+    found = find_textons(made.image, examples=[central(made)[1]])
     assert agreement(found.points, made, 80.0)[0] == 1
     assert found.similarity.shape == (400, 400, 1)
 

@@ -3,10 +3,10 @@ from functools import partial
 import numpy as np
 import pytest
 
+from benchmarks.splicing_detection import central
 from graphtex_nodes import find_textons, separate_foreground, textons
 from graphtex_nodes.numerics.illumination import evenly_lit
 from graphtex_nodes.splicing._colours import least_cut, mixture_cost, smoothness_costs, told_by_hue
-from tests.nodes.splicing.detection import central
 
 small = partial(textons, width=144, height=128, size=24.0)
 SETS = {
@@ -41,7 +41,7 @@ def test_automatic(name, spoiled):
 def test_one_element_and_scribbles():
     """The mask of one element and a stroke on the ground tell all the others."""
     made = small(form="leaf", rng=2)
-    index, _ = central(made, 24.0)
+    index, _ = central(made)
     ground = {"points": [[0, 0], [143, 127]], "radius": 60, "label": "background"}
     scribble = np.zeros(made.mask.shape, bool)
     row, column = np.nonzero(~made.mask)
@@ -70,7 +70,7 @@ def test_literal_fails_on_one_wrong_sample():
     made = small(rng=3)
     wrong = made.mask & (np.random.default_rng(1).random(made.mask.shape) < 0.01)
     ground = (~made.mask & (np.random.default_rng(2).random(made.mask.shape) < 0.05)) | wrong
-    one = (made.labels == central(made, 24.0)[0] + 1) & ~ground
+    one = (made.labels == central(made)[0] + 1) & ~ground
     masks = [separate_foreground(made.image, foreground=one, background=ground, colours=kind, sigma=sigma).mask | wrong
              for kind, sigma in (("mixture", None), ("literal", 1.0))]  # fmt: skip
     assert overlap(masks[0], made.mask) > 0.85 > overlap(masks[1], made.mask)
