@@ -8,6 +8,7 @@ import pytest
 import graphtex as gt
 from graphtex.document import Output
 from graphtex.events import Event, Started
+from graphtex.outputs import write_outputs
 from graphtex_nodes import sample_texture
 
 FOLDER = Path(__file__).parents[2] / "graphs" / "splicing"
@@ -83,3 +84,18 @@ def test_a_pattern_turns_and_sizes_elements():
     large = gt.run(graph, inputs, cache=False)["mask"].mean()
     usual = gt.run(gt.load(FOLDER / "self-splice.yaml"), inputs, cache=False)["mask"].mean()
     assert large / usual == pytest.approx(1.3**2, rel=0.15)
+
+
+def test_a_picture_becomes_a_texture(tmp_path: Path):
+    """What is found of a sample is what is there, and the file that is written can be spliced."""
+    true = cropped("oranges", 128)
+    found = gt.run(gt.load(FOLDER / "find-textons.yaml"), {"exemplar": true.image, "turn": 0.0}, cache=False)
+    texture = found["texture"]
+    both = (texture.mask & true.mask).sum() / (texture.mask | true.mask).sum()
+    nearest = np.hypot(*(texture.points[:, None] - true.points[None]).transpose(2, 0, 1)).min(axis=0)
+    assert texture.tag == "F=d"
+    assert both > 0.9
+    assert nearest.max() < 2
+    (file,) = write_outputs(found, tmp_path)["texture"]
+    spliced = gt.run(gt.load(FOLDER / "splice.yaml"), {"elements": str(file), "arrangement": true}, cache=False)
+    assert spliced["image"].shape == (128, 128, 3)

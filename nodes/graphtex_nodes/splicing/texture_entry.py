@@ -11,6 +11,7 @@ from graphtex_nodes.splicing.tags import RigidPart, Tag
 Array = NDArray[Any]
 
 CONNECTED = 0.5  # share of the elements in one connected part of the foreground
+COMPACT = 0.85  # share of their convex hull that elements fill which only touch
 FILLED = 0.85  # share of its box that a brick fills
 JOINTS = 0.5  # share of the picture that joints between bricks take at most
 
@@ -75,15 +76,20 @@ def texture_entry(
 def suggested_tag(mask: Array, points: Array) -> RigidPart:
     """``F=c`` if most textons hang together, ``B=c`` if they are boxes with narrow joints between, else ``F=d``.
 
-    Straight joints show when they are bent, so there the background is what must stay rigid.
+    Compact elements that touch do not hang together: they keep their shape one by one, where a net or a chain would be
+    torn. Straight joints show when they are bent, so there the background is what must stay rigid.
     """
     from scipy.ndimage import find_objects, label
+    from skimage.measure import regionprops
+
+    from graphtex_nodes.splicing.texton_labels import texton_labels
 
     parts, count = label(mask)
     column, row = np.clip(np.rint(points), 0, np.array(mask.shape[::-1]) - 1).astype(np.intp).T
     held = np.bincount(parts[row, column], minlength=count + 1)[1:]
     if held.max(initial=0) > max(1, CONNECTED * len(points)):
-        return "F=c"
+        hulls = [region.solidity for region in regionprops(texton_labels(mask, points) + 1)]
+        return "F=d" if np.median(hulls) > COMPACT else "F=c"
     areas = np.bincount(parts.ravel(), minlength=count + 1)[1:]
     boxes = np.array([(r.stop - r.start) * (c.stop - c.start) for r, c in find_objects(parts)])
     single = held == 1

@@ -6,8 +6,8 @@ from graphtex_nodes import draw_elements, sample_texture, texture_entry
 from graphtex_nodes.splicing.texture_entry import suggested_tag
 
 
-@pytest.mark.parametrize("name", ["blossoms", "leaves", "oranges", "tiles"])
-def test_suggested_tag_of_separate_samples(name):
+@pytest.mark.parametrize("name", ["berries", "blossoms", "leaves", "oranges", "tiles"])
+def test_suggested_tag_of_the_samples(name):
     made = sample_texture(name=name)
     assert texture_entry(made.image, made.mask, made.points).tag == made.tag
 
@@ -20,7 +20,15 @@ def test_tag_by_hand():
     mask[11:18, 2:13], mask[11:18, 16:27] = True, True
     assert suggested_tag(mask, np.concatenate([points, points + np.array([0, 9])])) == "B=c"
     mask[5, 13:16] = True
-    assert suggested_tag(mask, points) == "F=c"
+    assert suggested_tag(mask, points) == "F=d"  # they touch
+
+
+def test_a_net_hangs_together():
+    """Each crossing with its half strands fills 28 of the 46 pixels of its hull."""
+    mask = np.zeros((48, 48), bool)
+    mask[3::8], mask[4::8], mask[:, 3::8], mask[:, 4::8] = True, True, True, True
+    x, y = np.meshgrid(np.arange(3.5, 48, 8), np.arange(3.5, 48, 8))
+    assert suggested_tag(mask, np.stack([x.ravel(), y.ravel()], axis=1)) == "F=c"
 
 
 def test_given_tag_stays():
