@@ -82,8 +82,8 @@ def separate_foreground(
     mask
         True on the foreground.
     labels
-        1 and up for the elements in order, 0 for the background and parts without an element; touching ones are split
-        by watershed. Without elements connected parts are numbered.
+        1 and up for the elements in order, 0 for the background and parts without an element; in parts that hold
+        several, each pixel belongs to the nearest centre. Without elements connected parts are numbered.
 
     Raises
     ------
@@ -132,15 +132,15 @@ def separate_foreground(
         if not mask.any() or mask.all():
             break
         seeds = np.where(mask, 1, -1)
+    size = width * height if elements is not None else 16.0
+    mask = _cleaned(mask, SPECK * size, known)
+    if colours == "mixture":
+        mask = (sharpened(mask, np.maximum(picture, 0) ** 2.2) | (known > 0)) & ~(known < 0)
     if not mask.any() or mask.all():
         raise ValueError(
             f"image: expected colours that tell elements from what is between them, got "
             f"{'only' if mask.all() else 'no'} foreground; mark some of both by foreground, background or strokes"
         )
-    size = width * height if elements is not None else 16.0
-    mask = _cleaned(mask, SPECK * size, known)
-    if colours == "mixture":
-        mask = (sharpened(mask, np.maximum(picture, 0) ** 2.2) | (known > 0)) & ~(known < 0)
     if elements is None:
         from scipy.ndimage import label
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.splicing_detection import central
+from graphtex import Elements
 from graphtex_nodes import find_textons, separate_foreground, textons
 from graphtex_nodes.numerics.illumination import evenly_lit
 from graphtex_nodes.splicing._colours import least_cut, mixture_cost, smoothness_costs, told_by_hue
@@ -142,3 +143,15 @@ def test_refuses():
         separate_foreground(made.image, foreground=made.mask, background=made.mask[:9])
     with pytest.raises(ValueError, match="image: expected colours that tell elements"):
         separate_foreground(np.full((128, 144, 3), 0.5, np.float32), made.elements, width=24.0, height=24.0)
+
+
+def test_specks_are_no_foreground():
+    """Nine dots of nine pixels are less than a fiftieth of elements of 24 x 24: nothing is left when they are gone."""
+    image = (0.5 + 0.01 * np.random.default_rng(0).standard_normal((96, 96, 3))).astype(np.float32)
+    x, y = (places.ravel() for places in np.meshgrid([16, 48, 80], [16, 48, 80]))
+    for row, column in zip(y, x, strict=True):
+        image[row : row + 3, column : column + 3] = (0.9, 0.1, 0.1)
+    elements = Elements(np.stack([x + 1.0, y + 1.0], axis=1), np.zeros(9), np.ones(9))
+    assert np.count_nonzero(separate_foreground(image, elements, width=6.0, height=6.0).mask) == 81
+    with pytest.raises(ValueError, match=r"image: expected colours that tell elements .* got no foreground"):
+        separate_foreground(image, elements, width=24.0, height=24.0)
