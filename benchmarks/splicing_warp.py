@@ -34,7 +34,8 @@ from graphtex_nodes.splicing.values import Extension, Factor, Moves
 Array = NDArray[Any]
 
 JITTER = 2.0  # pixels by which textons are moved at random, x and y
-SAMPLES = ("oranges", "berries", "blossoms", "leaves", "tiles")
+APART, TOUCHING = ("oranges", "blossoms", "leaves"), "berries"
+SAMPLES = (*APART, TOUCHING, "tiles")
 QUERIES = 1024  # pixels whose exact neighbours are timed
 SIDES = (128, 192)
 
@@ -149,23 +150,23 @@ def _splice(entry: Entry, arrangement: Texture) -> tuple[Any, Any, Any]:
 def _pairs(pictures: Path | None) -> Iterator[Figure]:
     """What can be told of all pairs of the samples without a reference."""
     entries = [_entry(sample_texture(name=name)) for name in SAMPLES]
-    verdicts: dict[str, list[Any]] = {"F=d": [], "F=c": [], "B=c": []}
+    verdicts: dict[str, list[Any]] = {name: [] for name in SAMPLES}
     results: list[Array | Gap] = []
-    for entry in entries:
+    for name, entry in zip(SAMPLES, entries, strict=True):
         results.append(entry.texture.image)
         for other in entries:
             moves, drawn, refined = _splice(entry, other.texture)
             results.append(refined.image)
             if other is not entry:
                 verdict = judge_splice(entry.extension, moves, refined.mask, refined.source, drawn.holes)
-                verdicts[entry.texture.tag].append(verdict)
+                verdicts[name].append(verdict)
     if pictures:
         save_image(contact_sheet(results, columns=len(SAMPLES) + 1), pictures / "splicing-pairs.png")
-    apart = np.mean(verdicts["F=d"], axis=0)
+    apart = np.mean([verdict for name in APART for verdict in verdicts[name]], axis=0)
     yield Figure("12 splices of disjoint elements: share of elements cut", float(apart[0]), "<= 0.1")
     yield Figure("12 splices of disjoint elements: foreground where it should be, IoU", float(apart[1]), ">= 0.9")
     yield Figure("12 splices of disjoint elements: share of the picture made up", float(apart[2]))
-    yield Figure("4 splices of touching elements: share of elements cut", float(np.mean(verdicts["F=c"], axis=0)[0]))
+    yield Figure("4 splices of touching elements: share of elements cut", float(np.mean(verdicts[TOUCHING], axis=0)[0]))
 
 
 def _speed(side: int) -> Iterator[Figure]:
