@@ -4,7 +4,6 @@ Every measurement runs in a process of its own that is tied to its cores before 
 time is the process's own (so other work on the machine counts for nobody), with more it is the clock's.
 """
 
-import inspect
 import json
 import os
 import resource
@@ -38,9 +37,8 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
         print("G'MIC is not installed (pip install 'graphtex[bench]'): no peer to compare with", file=sys.stderr)
     yield Figure("s, default, one core", one["default"], "" if other is None else f"<= {other:.4g}", other)
     for quality, share in QUALITIES.items():
-        if quality in one:
-            bound = "" if other is None else f"<= {share * other:.4g}"
-            yield Figure(f"s, {quality}, one core", one[quality], bound, other)
+        bound = "" if other is None else f"<= {share * other:.4g}"
+        yield Figure(f"s, {quality}, one core", one[quality], bound, other)
     if len(os.sched_getaffinity(0)) > 1:
         bound = ">= 1.5" if idle() else ""
         if not bound:
@@ -87,8 +85,7 @@ def race() -> dict[str, float]:
     exemplar, synthesise = _subject()
     calls: dict[str, Callable[[int], Any]] = {"default": partial(synthesise, SMALL)}
     for quality in QUALITIES:
-        if "quality" in _parameters():
-            calls[quality] = partial(synthesise, SMALL, quality=quality)
+        calls[quality] = partial(synthesise, SMALL, quality=quality)
     for tool, run in peers.synthesisers().items():
         calls[tool] = partial(run, exemplar, (SMALL, SMALL))
     return _medians(calls, time.process_time)
@@ -140,12 +137,6 @@ def _subject() -> tuple[Any, Callable[..., Any]]:
         return optimize(exemplar, width=side, height=side, rng=seed, ctx=Context(threads=threads), **parameters)
 
     return exemplar, synthesise
-
-
-def _parameters() -> set[str]:
-    from graphtex_nodes import optimize
-
-    return set(inspect.signature(optimize.function).parameters)
 
 
 if __name__ == "__main__":
