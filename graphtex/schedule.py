@@ -82,6 +82,7 @@ class _Run:
         self.ready: list[tuple[int, str]] = []  # heap of tasks whose inputs are there, by their place in the plan
         self.push(task for task, count in self.waiting.items() if count == 0)
         self.running: dict[Future[Outcome], str] = {}
+        self.begun: dict[str, float] = {}  # when each running task was handed out
         self.lent: dict[str, dict[Slot, Held | Gap]] = {}  # what each running task was given
         self.in_flight: dict[str, list[str]] = {}  # key -> tasks that wait for the one that is making it
         self.blocked: dict[str, set[str]] = {}  # task -> tasks that it waits for as their stored outputs were lost
@@ -177,6 +178,7 @@ class _Run:
         if key:
             self.in_flight.setdefault(key, [])
         self.emit(events.Started(task.id, why))
+        self.begun[task.id] = time.perf_counter()
         try:
             future = self.executor.submit(Call(task, self.holding.inputs(task), self.threads), self.monitor, self.cache)
         except Exception as error:  # noqa: BLE001 (a broken pool, an unpicklable value: told as the task's failure)
@@ -188,6 +190,7 @@ class _Run:
     def collect(self, name: str, future: "Future[Outcome]") -> None:
         """Take what came of a call."""
         task, report, lent = self.plan.tasks[name], self.finished.reports[name], self.lent.pop(name)
+        elapsed = time.perf_counter() - self.begun.pop(name)
         error = future.exception()
         if isinstance(error, InputLost):
             self.rerun_producers(task, error.slots, lent)
@@ -195,11 +198,11 @@ class _Run:
             self.finished.reports.pop(name)
             self.emit(events.Stopped(name))
         elif isinstance(error, NodeFailed):
-            self.fail(task, report, error)
+            self.fail(task, report, error, elapsed)
         elif isinstance(error, Exception):
             failure = NodeFailed(name, f"{type(error).__name__}: {error}")
             failure.__cause__ = error
-            self.fail(task, report, failure)
+            self.fail(task, report, failure, elapsed)
         elif error is not None:  # KeyboardInterrupt in a thread, for instance
             raise error
         else:
@@ -264,8 +267,8 @@ class _Run:
                 self.forced.add(name)
                 self.push([name])
 
-    def fail(self, task: Task, report: Report, error: NodeFailed) -> None:
-        report.status, report.message = "failed", error.message
+    def fail(self, task: Task, report: Report, error: NodeFailed, elapsed: float) -> None:
+        report.status, report.message, report.seconds = "failed", error.message, elapsed
         self.emit(events.Failed(task.id, report.message))
         if task.cell:
             self.leave_gap(task, report)

@@ -6,9 +6,8 @@ is removed.
 """
 
 import re
-import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -42,8 +41,6 @@ class Record:
         How long it took.
     warnings
         What the node said by ``ctx.warn``, to be told again on a hit.
-    created
-        Seconds since 1970.
     """
 
     key: str
@@ -51,7 +48,6 @@ class Record:
     outputs: Mapping[str, Output]
     seconds: float
     warnings: tuple[str, ...] = ()
-    created: float = field(default_factory=time.time, compare=False)
 
 
 _KEY = re.compile("[0-9a-f]{64}")
@@ -74,7 +70,7 @@ class Index:
     def write(self, record: Record) -> int:
         """Store a record in place of an older one; return its size. Raises `CacheUnavailable`."""
         outputs = {name: {"type": output.type, "digest": output.digest} for name, output in record.outputs.items()}
-        body = {name: getattr(record, name) for name in ("key", "node", "seconds", "warnings", "created")}
+        body = {name: getattr(record, name) for name in ("key", "node", "seconds", "warnings")}
         return write_checked(self.path(record.key), self.scratch, body | {"outputs": outputs})
 
     def read(self, key: str) -> Record | None:
@@ -99,7 +95,7 @@ class Index:
 
     def write_run(self, graph: str, nodes: Mapping[str, KeyParts]) -> None:
         """Keep of what each node's key was made, in place of the graph's last run. Raises `CacheUnavailable`."""
-        body = {"graph": graph, "created": time.time()} | _pack(nodes)
+        body = {"graph": graph} | _pack(nodes)
         write_checked(self._run_path(graph), self.scratch, body)
 
     def read_run(self, graph: str) -> dict[str, KeyParts] | None:
@@ -122,7 +118,7 @@ def _record(path: Path, body: dict[str, Any], key: str) -> Record:
     try:
         outputs = {socket: Output(str(told["type"]), str(told["digest"])) for socket, told in body["outputs"].items()}
         warnings = tuple(map(str, body["warnings"]))
-        record = Record(body["key"], body["node"], outputs, float(body["seconds"]), warnings, float(body["created"]))
+        record = Record(body["key"], body["node"], outputs, float(body["seconds"]), warnings)
     except (LookupError, TypeError, ValueError, AttributeError):
         record = None
     if record is None or record.key != key:  # another layout, or a file that was moved here

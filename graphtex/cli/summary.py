@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from graphtex.document import Document
     from graphtex.run import RunResult
 
+ENDS = ("ran", "cached", "failed", "skipped")
+"""How a node can end; one that was not reached, or was at work when the run was stopped, is ``waiting``."""
+
 
 def run_object(
     result: "RunResult", written: Mapping[str, Sequence[Path]], seed: int, seconds: float, *, done: bool
@@ -20,15 +23,16 @@ def run_object(
     """Return outputs, what became of each node, and totals, as plain data."""
     from graphtex.shipped import graph_identity
 
-    nodes = []
-    for task in result.plan.tasks:
-        report = result.reports.get(task)
+    nodes: list[dict[str, Any]] = []
+    for name, task in result.plan.tasks.items():
+        report = result.reports.get(name)
         if report is None:
+            nodes.append({"id": name, "node": task.node.name, "status": "waiting"})
             continue
         nodes.append(
             {
-                "id": task,
-                "node": report.task.node.name,
+                "id": name,
+                "node": task.node.name,
                 "status": report.status,
                 "seconds": round(report.seconds, 6),
                 "key": report.key,
@@ -46,7 +50,7 @@ def run_object(
         "nodes": nodes,
         "totals": {
             "nodes": len(result.plan.tasks),
-            **{status: counts[status] for status in ("ran", "cached", "failed", "skipped")},
+            **{status: counts[status] for status in (*ENDS, "waiting")},
             "seconds": round(seconds, 6),
         },
     }
@@ -61,10 +65,13 @@ def stopped_object(graph: "Document", seed: int, tally: "Tally") -> dict[str, An
         "seed": seed,
         "status": "interrupted",
         "outputs": {},
-        "nodes": [{"id": task, "node": tally.nodes[task], "status": status} for task, status in tally.ended.items()],
+        "nodes": [
+            {"id": task, "node": node, "status": tally.ended.get(task, "waiting")} for task, node in tally.nodes.items()
+        ],
         "totals": {
             "nodes": len(tally.nodes),
-            **{status: tally.number(status) for status in ("ran", "cached", "failed", "skipped")},
+            **{status: tally.number(status) for status in ENDS},
+            "waiting": len(tally.nodes) - len(tally.ended),
             "seconds": round(tally.seconds, 6),
         },
     }

@@ -428,6 +428,7 @@ def test_the_first_failure_ends_the_run_and_what_had_finished_stays(tmp_path, ho
     assert isinstance(result["out"], Gap)
     assert result.failed
     assert "a" not in result.reports
+    assert result.reports["f"].seconds > 0
     calls()
     assert values(run(g, {"bad": 2}, cache=tmp_path, **how)) == [1]
     assert calls() == ["fragile 1", "whole"]

@@ -11,7 +11,8 @@ from pydantic import Field
 from graphtex import Gap, Image, node
 
 Level = Annotated[float, Field(ge=0, le=1)]
-Labels = Annotated[list[str] | None, Field(description="a line of text below each picture")]
+Words = list[str | float]
+Labels = Annotated[Words | None, Field(description="a line of text or a number below each picture")]
 Padding = Annotated[int, Field(ge=0, le=1000, description="pixels around each picture")]
 Background = Annotated[tuple[Level, Level, Level], Field(description="red, green and blue, 0 to 1")]
 FontSize = Annotated[int, Field(ge=6, le=200, description="height of the text in pixels")]
@@ -27,8 +28,8 @@ def contact_sheet(
     *,
     columns: Annotated[int | None, Field(ge=1, description="pictures in a row; default: about square")] = None,
     labels: Labels = None,
-    column_labels: Annotated[list[str] | None, Field(description="a heading above each column")] = None,
-    row_labels: Annotated[list[str] | None, Field(description="a heading left of each row")] = None,
+    column_labels: Annotated[Words | None, Field(description="a heading above each column")] = None,
+    row_labels: Annotated[Words | None, Field(description="a heading left of each row")] = None,
     padding: Padding = 8,
     background: Background = (1.0, 1.0, 1.0),
     align: Align = "centre",
@@ -76,7 +77,12 @@ def contact_sheet(
         if given is not None and len(given) != count:
             raise ValueError(f"{name}: expected {count}, got {len(given)}")
     style = Style(padding, background, align, font_size)
-    return lay_out(images, columns, labels or [], column_labels or [], row_labels or [], style)
+    return lay_out(images, columns, _texts(labels), _texts(column_labels), _texts(row_labels), style)
+
+
+def _texts(labels: Words | None) -> list[str]:
+    """Labels as they are written; the values of a sweep are numbers."""
+    return [label if isinstance(label, str) else f"{label:g}" for label in labels or ()]
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,9 @@ outputs:
   before: {{from: other, file: before.num}}
   after: {{from: {output}, file: after.num}}
 """
-FAILS = GRAPH.format(entry="bad: {node: Fussy, image: base, limit: $limit}", output="bad")
+FAILS = GRAPH.format(
+    entry="bad: {node: Fussy, image: base, limit: $limit}\n  next: {node: Parity, image: bad}", output="next"
+)
 KEEPS = GRAPH.format(
     entry="bad: {node: Fussy, image: base, each: {limit: [0.2, 0.9]}, on_error: keep}\n  all: {node: Row, images: bad}",
     output="bad",
@@ -185,7 +187,7 @@ def test_json_is_one_object_with_all_that_a_script_needs(command: Command, small
     assert made["nodes"][2]["warnings"] == ["too bright"]
     assert all(len(node["key"]) == 64 and node["seconds"] >= 0 for node in made["nodes"])
     assert made["totals"] | {"seconds": 0} == {
-        "nodes": 3, "ran": 3, "cached": 0, "failed": 0, "skipped": 0, "seconds": 0,
+        "nodes": 3, "ran": 3, "cached": 0, "failed": 0, "skipped": 0, "waiting": 0, "seconds": 0,
     }  # fmt: skip
     assert "warning: lit: too bright" in told.err.splitlines()
 
@@ -214,7 +216,9 @@ def test_a_failing_node_gives_status_1_and_what_was_made_is_written(command: Com
         ("base", "cached"),
         ("other", "cached"),
         ("bad", "failed"),
+        ("next", "waiting"),
     ]
+    assert made["totals"]["waiting"] == 1
     assert made["nodes"][2]["message"] == message.removeprefix("bad: ")
 
 

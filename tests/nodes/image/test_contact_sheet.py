@@ -109,6 +109,13 @@ def test_only_gaps_tiny_gaps_and_long_reasons():
     assert contact_sheet(tiny, padding=0, labels=["", "x" * 99]).shape[1] == 2
 
 
+def test_numbers_are_labels_as_they_are_written():
+    numbers, words = (
+        side_by_side([np.zeros((20, 60, 3), np.float32)] * 2, labels=given) for given in ([30, 0.5], ["30", "0.5"])
+    )
+    np.testing.assert_array_equal(numbers, words)
+
+
 def test_labels_fit_or_end_in_an_ellipsis():
     font = _font(14)
     assert _shorten("short", 200, font) == "short"
