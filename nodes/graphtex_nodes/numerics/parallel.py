@@ -4,9 +4,11 @@ Kernels take a range of rows and write only those, so their result cannot depend
 the number of threads. There is no numba threading layer: a plain pool calls kernels that release the GIL.
 """
 
-from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
+from functools import cache
 from typing import Protocol
 
 
@@ -54,15 +56,15 @@ class Portion:
 
 
 SLICE = 3e7
-"""Elementary steps in a band: 0.02 to 0.2 s, so that cancelling is quick and threads share the rows evenly."""
-
-
-WORTH_THREADS = 2e6
-"""Elementary steps in all, a few milliseconds, below which starting threads costs more than they save."""
+"""Elementary steps in a band: 0.02 to 0.2 s, so that cancelling is quick."""
+BANDS = 4
+"""Bands for each thread: whoever is done early takes the next one."""
+WORTH_THREADS = 3e5
+"""Elementary steps in all, a few tenths of a millisecond, below which waking threads costs more than they save."""
 
 
 def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: Work) -> None:
-    """Call ``task(first, stop)`` on bands that cover ``range(rows)``.
+    """Call ``task(first, stop)`` on bands that cover ``range(rows)``, on the calling thread and idle ones of the pool.
 
     Parameters
     ----------
@@ -76,34 +78,37 @@ def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: W
         ``work.check()`` is called between bands, on the calling thread.
     """
     band = max(1, min(rows, int(SLICE / max(cost, 1.0))))
-    several = work.threads > 1 and rows * cost > WORTH_THREADS
-    if several:
-        band = max(1, min(band, -(-rows // (2 * work.threads))))
-    starts = range(0, rows, band)
-    if not several or len(starts) == 1:
-        for first in starts:
+    helpers = work.threads - 1 if rows * cost > WORTH_THREADS else 0
+    if helpers:
+        band = max(1, min(band, -(-rows // (BANDS * work.threads))))
+    left = iter(range(0, rows, band))  # advancing a range is one step under the GIL: each band is taken once
+    helpers = min(helpers, -(-rows // band) - 1)
+    others = [_pool().submit(_take, task, left, band, rows) for _ in range(helpers)]
+    try:
+        for first in left:
             work.check()
             task(first, min(first + band, rows))
-        return
-    with ThreadPoolExecutor(work.threads) as pool:
-        waiting: set[Future[object]] = set()
-        try:
-            for first in starts:
-                if len(waiting) >= 2 * work.threads:
-                    waiting = _settle(waiting)
-                work.check()
-                waiting.add(pool.submit(task, first, min(first + band, rows)))
-            while waiting:
-                waiting = _settle(waiting)
-                work.check()
-        finally:
-            for future in waiting:
-                future.cancel()
+        for other in others:
+            if not other.cancel():
+                other.result()
+        work.check()
+    finally:  # nobody writes rows any more when this returns, whatever was raised
+        for _ in left:
+            pass
+        wait([other for other in others if not other.cancel()])
 
 
-def _settle(waiting: set[Future[object]]) -> set[Future[object]]:
-    """Wait until a band is done, raise what it raised, and return the others."""
-    done, others = wait(waiting, return_when=FIRST_COMPLETED)
-    for future in done:
-        future.result()
-    return others
+def _take(task: Callable[[int, int], object], left: Iterator[int], band: int, rows: int) -> None:
+    """Work on bands as long as there are some."""
+    for first in left:
+        task(first, min(first + band, rows))
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    """Threads for all kernels of this process: they stay, since starting some takes as long as many a kernel."""
+    return ThreadPoolExecutor(max(1, (os.cpu_count() or 2) - 1), thread_name_prefix="graphtex-kernel")
+
+
+if hasattr(os, "register_at_fork"):  # a forked child has the pool but not its threads
+    os.register_at_fork(after_in_child=_pool.cache_clear)

@@ -1,4 +1,6 @@
+import os
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -58,3 +60,49 @@ def test_failure_of_a_band_is_raised(threads):
 
 def test_no_rows():
     parallel.for_rows(lambda first, stop: pytest.fail("called"), 0, 1.0, Watch(2))
+
+
+def test_threads_stay_for_the_next_call():
+    seen = set()
+
+    def task(first, stop):
+        seen.add(threading.get_ident())
+
+    before = threading.active_count()
+    for _ in range(20):
+        parallel.for_rows(task, 64, 1e7, Watch(2))
+    assert threading.active_count() <= before + max(1, (os.cpu_count() or 2) - 1)
+    assert len(seen) <= max(2, os.cpu_count() or 2)
+
+
+def test_calls_inside_a_band_and_from_many_threads_end():
+    total = np.zeros((4, 8, 16), int)
+
+    def outer(number):
+        def task(first, stop):
+            for row in range(first, stop):
+                parallel.for_rows(
+                    lambda low, high: np.add.at(total, (number, row, slice(low, high)), 1), 16, 1e7, Watch(2)
+                )
+
+        parallel.for_rows(task, 8, 1e8, Watch(2))
+
+    callers = [threading.Thread(target=outer, args=(number,)) for number in range(4)]
+    for caller in callers:
+        caller.start()
+    for caller in callers:
+        caller.join(timeout=30)
+    assert (total == 1).all()
+
+
+def test_nothing_is_written_after_the_call():
+    running = threading.Event()
+
+    def task(first, stop):
+        running.set()
+        time.sleep(0.05)
+        running.clear()
+
+    with pytest.raises(KeyboardInterrupt):
+        parallel.for_rows(task, 50, 1e12, Watch(2, stop_at=2))
+    assert not running.is_set()
