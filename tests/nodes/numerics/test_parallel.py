@@ -1,6 +1,7 @@
 import os
 import threading
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -78,12 +79,13 @@ def test_threads_stay_for_the_next_call():
 def test_calls_inside_a_band_and_from_many_threads_end():
     total = np.zeros((4, 8, 16), int)
 
+    def add(number, row, low, high):
+        total[number, row, low:high] += 1
+
     def outer(number):
         def task(first, stop):
             for row in range(first, stop):
-                parallel.for_rows(
-                    lambda low, high: np.add.at(total, (number, row, slice(low, high)), 1), 16, 1e7, Watch(2)
-                )
+                parallel.for_rows(partial(add, number, row), 16, 1e7, Watch(2))
 
         parallel.for_rows(task, 8, 1e8, Watch(2))
 
