@@ -16,7 +16,7 @@ from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.files import read, read_file, save
 from graphtex.node import Node
 from graphtex.parameters import plain
-from graphtex.shipped import shipped_file
+from graphtex.shipped import find_graph
 from graphtex.sockets import TYPES, find_type
 
 if TYPE_CHECKING:
@@ -159,8 +159,7 @@ class Graph(Document):
 
 def load(path: str | os.PathLike[str]) -> Graph:
     """Return the graph of a file, or a shipped one by its name; GraphError with all that is wrong, also in meaning."""
-    shipped = None if Path(path).exists() else shipped_file(Path(path))
-    return _checked(*read_file(shipped or path))
+    return _checked(*read_file(find_graph(path)))
 
 
 def loads(text: str) -> Graph:

@@ -175,6 +175,8 @@ def opener(
 
 def find_opener(kind: SocketType, text: str) -> tuple[Opener, str]:
     """Return the opener for a string and the text for its parameter; ValueError with what would fit."""
+    if not text:
+        raise ValueError(f"expected a path or scheme:name to open as {kind.name}, got an empty text")
     mine = [entry for entry in OPENERS if entry.type_name == kind.name]
     scheme, colon, rest = text.partition(":")
     if colon and len(scheme) > 1 and "/" not in scheme:  # one letter is a drive

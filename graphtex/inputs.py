@@ -13,6 +13,7 @@ from graphtex.parameters import plain, shorten
 from graphtex.sockets import TYPES, ValueType, parse_type
 
 _PYTHON = {"int": int, "float": float, "str": str, "bool": bool, "file": str}
+_WORDS = {"bool": "true or false"}
 
 
 def split_type(text: str) -> tuple[str, bool]:
@@ -54,7 +55,7 @@ def _check_item(kind: Input, inner: str, value: Any) -> Any:
         except OverflowError:
             raise ValueError(f"expected float, got {shorten(value)}") from None
     if wanted is not None and (not isinstance(value, wanted) or (wanted is int and isinstance(value, bool))):
-        raise ValueError(f"expected {inner}, got {shorten(value)}")
+        raise ValueError(f"expected {_WORDS.get(inner, inner)}, got {shorten(value)}")
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError(f"expected a finite number, got {value}")
     if inner == "file" and not value:
@@ -112,8 +113,14 @@ def expand_paths(value: Any, kind: Input, base: Path) -> list[Any]:
         return list(value)
     if not isinstance(value, str | Path):
         raise ValueError(f"expected a list, a folder or a pattern such as *.png, got {type(value).__name__}")
+    try:
+        return _found_paths(str(value), kind, base.absolute())  # the paths that are returned start nowhere else
+    except OSError as error:
+        raise ValueError(f"{str(value)!r} cannot be read: {error.strerror}") from None
+
+
+def _found_paths(text: str, kind: Input, base: Path) -> list[str]:
     inner = split_type(kind.type)[0]
-    text = str(value)
     folder = base / text
     if folder.is_dir():
         suffixes = suffixes_of(TYPES[inner]) if inner in TYPES else None

@@ -74,7 +74,7 @@ class Node(Generic[P, R]):
         try:
             bound = inspect.signature(self.function).bind(*args, **kwargs)
         except TypeError as error:
-            raise TypeError(f"{self.function.__name__}() {error}") from None
+            raise TypeError(f"{self.function.__name__}() {error}{self._hint(len(args), kwargs)}") from None
         sockets = {name: bound.arguments[name] for name in self.inputs if name in bound.arguments}
         values = {k: v for k, v in bound.arguments.items() if k not in self.inputs and k not in self.injected}
         parameters, problems = validate(self.parameters, values)
@@ -87,6 +87,15 @@ class Node(Generic[P, R]):
             extra["ctx"] = bound.arguments.get("ctx", QUIET)
         outputs = self.run(sockets, parameters, extra)
         return self.result(**outputs) if self.result else next(iter(outputs.values()))  # type: ignore[return-value]
+
+    def _hint(self, positional: int, named: Mapping[str, Any]) -> str:
+        """Return what would fit where a call does not: names that are known, and that parameters go by name."""
+        signature = inspect.signature(self.function)
+        unknown = [name for name in named if name not in signature.parameters]
+        if unknown:
+            return did_you_mean(unknown[0], signature.parameters, label="arguments")
+        parameters = ", ".join(f"{name}=..." for name in self.parameters.model_fields)
+        return f"; parameters go by name: {parameters}" if parameters and positional > len(self.inputs) else ""
 
     def run(self, sockets: Mapping[str, Any], parameters: BaseModel, injected: Mapping[str, Any]) -> dict[str, Any]:
         """Run on checked parameters; return the checked, read-only outputs by name."""

@@ -90,6 +90,8 @@ def write_value(output: PlannedOutput, value: Any, path: Path) -> Path:
         finally:
             scratch.unlink(missing_ok=True)
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        reason = str(error)
+        if isinstance(error, OSError):  # numpy's has no number: it tells only how many items were written
+            reason = error.strerror or f"not written whole, is the disk full? ({reason})"
         raise OutputError(f"{path}: {reason}") from error
     return path

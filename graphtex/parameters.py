@@ -219,11 +219,25 @@ def _message(model: type[BaseModel], fault: Any) -> str:
         return "a value is required"
     text = fault["msg"][0].lower() + fault["msg"][1:]
     text = text.replace("input should be", "should be").replace("value error, ", "")
+    for theirs, ours in _WORDS:
+        text = text.replace(theirs, ours)
     if kind == "literal_error":
-        expected = fault["ctx"]["expected"]
-        near = did_you_mean(str(got), expected.replace("'", "").replace(" or ", ", ").split(", "))
-        return f"should be {expected}, got {got!r}{near if 'did you mean' in near else ''}"
+        return f"should be {_choice(fault['ctx']['expected'], got)}"
+    if kind == "union_tag_invalid":
+        return (
+            f"{fault['ctx']['discriminator']} should be {_choice(fault['ctx']['expected_tags'], fault['ctx']['tag'])}"
+        )
+    if kind == "union_tag_not_found":
+        return f"{fault['ctx']['discriminator']} is required, got {shorten(got)}"
     return f"{text}, got {shorten(got)}"
+
+
+_WORDS = (("a valid array", "a list"), ("an object", "a mapping"), ("a valid boolean", "true or false"))
+
+
+def _choice(expected: str, got: Any) -> str:
+    near = did_you_mean(str(got), expected.replace("'", "").replace(" or ", ", ").split(", "))
+    return f"{expected}, got {got!r}{near if 'did you mean' in near else ''}"
 
 
 JSON_TYPES = frozenset({"integer", "number", "string", "boolean", "array", "object", "null"})

@@ -1,5 +1,7 @@
 """Graphs that ship with graphtex: found by name in a checkout and in an install."""
 
+import os
+from difflib import get_close_matches
 from pathlib import Path
 
 from graphtex.errors import GraphError, Problem, did_you_mean
@@ -19,23 +21,33 @@ def shipped_names() -> list[str]:
     return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.yaml"))
 
 
-def find_graph(name: str | Path) -> Path:
+def find_graph(name: str | os.PathLike[str]) -> Path:
     """Return the file of a graph: a path as it is, or a shipped graph by its name; GraphError if neither is there."""
     path = Path(name)
     if path.is_file():
         return path
-    found = shipped_file(path)
-    if found is not None:
-        return found
+    shipped = shipped_folder() / f"{_shipped_name(path)}.yaml"  # with `.yaml` or `graphs/` written or not
+    if not path.is_absolute() and shipped.is_file():
+        return shipped
     what = "is a folder, not a graph file" if path.is_dir() else "is no file and no graph that ships"
-    hint = did_you_mean(_shipped_name(path), shipped_names(), label="shipped graphs")
-    raise GraphError([Problem("", 0, 0, "", f"{str(name)!r} {what}{hint}")])
+    raise GraphError([Problem("", 0, 0, "", f"{str(name)!r} {what}{_hint(path)}")])
 
 
-def shipped_file(path: Path) -> Path | None:
-    """Return the file of the shipped graph that a path names, ``.yaml`` or ``graphs/`` written or not; None if none."""
-    found = shipped_folder() / f"{_shipped_name(path)}.yaml"
-    return found if not path.is_absolute() and found.is_file() else None
+def _hint(path: Path) -> str:
+    """Return what may have been meant: a file beside, graphs of a shipped folder, or a shipped graph."""
+    try:
+        beside = [file.name for file in path.parent.iterdir() if file.suffix in (".yaml", ".yml")]
+    except (OSError, ValueError):  # no folder, or a name that no folder can have
+        beside = []
+    near = get_close_matches(path.name, beside, n=1)
+    if near:
+        return f"; did you mean {str(path.with_name(near[0]))!r}?"
+    name, names = _shipped_name(path), shipped_names()
+    inside = [one for one in names if one.startswith(f"{name}/")]
+    if inside:
+        return f"; there are {', '.join(inside)}"
+    hint = did_you_mean(name, names)
+    return hint if "did you mean" in hint else "; `graphtex graphs` lists those that ship"
 
 
 def _shipped_name(path: Path) -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from graphtex.document import Input
-from graphtex.handlers import find_opener
+from graphtex.handlers import Opener, find_opener
 from graphtex.inputs import check_scalar, expand_paths, is_list, split_type
 from graphtex.parameters import files_of, validate, with_files
 from graphtex.plan import Slot, Task, stream_words
@@ -57,7 +57,7 @@ class Values:
             except ValueError as error:
                 raise ValueError(str(error).removeprefix(f"{task}: ")) from None
             return slot
-        opener, text = find_opener(kind.base, str(value))
+        opener, text = self._opener(kind, str(value), base)
         if opener.suffixes:
             file = absolute(base, Path(text))
             require_file(file)
@@ -74,6 +74,14 @@ class Values:
         self.tasks[task] = Task(task, opener.node, {}, plain, files, seed=self.seed, spawn_key=words)
         slot = Slot(task, next(iter(opener.node.outputs)))
         return self._opened.setdefault((opener.node.name, text), slot)
+
+    def _opener(self, kind: ValueType, text: str, base: Path) -> tuple[Opener, str]:
+        try:
+            return find_opener(kind.base, text)
+        except ValueError:
+            if text and absolute(base, Path(text)).is_dir():
+                raise ValueError(f"{text!r} is a folder; {kind.base.name} is opened from one file") from None
+            raise
 
     def openers(self) -> set[str]:
         """Return the tasks that open a path or name."""
@@ -94,11 +102,16 @@ def scalar(kind: Input, value: Any, base: Path) -> Scalar:
 
 
 def require_file(file: Path) -> None:
-    """Raise ValueError if there is no such file."""
-    if file.is_dir():
-        raise ValueError(f"{str(file)!r} is a folder, not a file")
-    if not file.is_file():
-        raise ValueError(f"there is no file {str(file)!r}")
+    """Raise ValueError if there is no such file, or none that may be read."""
+    try:
+        if file.is_dir():
+            raise ValueError(f"{str(file)!r} is a folder, not a file")
+        if not file.is_file():
+            raise ValueError(f"there is no file {str(file)!r}")
+        with file.open("rb"):
+            pass
+    except OSError as error:
+        raise ValueError(f"{str(file)!r} cannot be read: {error.strerror}") from None
 
 
 def absolute(base: Path, path: Path) -> Path:

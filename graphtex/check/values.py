@@ -1,10 +1,12 @@
 """What parameters accept and what graph inputs give, as JSON types; inputs in places where none is read."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from graphtex.document import Document, Input, Place
 from graphtex.errors import GraphError, Problem, did_you_mean
+from graphtex.handlers import find_opener
 from graphtex.inputs import split_type
 from graphtex.links import Links, Signature
 from graphtex.parameters import JSON_TYPES, json_types
@@ -33,11 +35,25 @@ def reference_problems(links: Links, path: Place, value: Any, wanted: ValueType)
     try:
         got = links.type_of(path, reference(links.graph, path, value))
     except GraphError as error:
-        return list(error.problems)
+        hint = _of_a_file(links, value, wanted)
+        return [replace(problem, message=f"{problem.message}{hint}") for problem in error.problems]
     if got.base == wanted.base and got.many == wanted.many:
         return []
     hint = "; write a list: [...]" if wanted.many and not got.many and got.base == wanted.base else ""
+    if got.many and not wanted.many and isinstance(value, str) and not value.startswith("$"):
+        hint = "; to go on with each item, put both nodes into a graph file and let `each` range over that"
     return [links.graph.problem(path, f"expected {wanted}, got {got}{hint}")]
+
+
+def _of_a_file(links: Links, value: Any, wanted: ValueType) -> str:
+    """Return a hint where a file or a sample stands in the place of a reference."""
+    if not isinstance(value, str) or value.partition(".")[0] in links.graph.nodes or value.startswith("$"):
+        return ""
+    try:
+        find_opener(wanted.base, value)
+    except ValueError:
+        return ""
+    return "; a file or a sample is the default of a graph input, which is written $name here"
 
 
 def scalar_input(graph: Document, path: Place, source: FromInput) -> Input:

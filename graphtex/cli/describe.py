@@ -155,6 +155,8 @@ def sample(schema: Mapping[str, Any], models: Mapping[str, Any]) -> Any:
         model = models.get(schema["$ref"].rpartition("/")[2], {})
         wanted = model.get("required", [])
         return {key: sample(field, models) for key, field in model.get("properties", {}).items() if key in wanted}
+    if schema.get("examples"):
+        return schema["examples"][0]
     for key in ("anyOf", "oneOf", "allOf"):
         if key in schema:
             return _tagged(schema, sample(schema[key][0], models))

@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 from graphtex.document import Document
-from graphtex.errors import GraphError, Problem, did_you_mean
+from graphtex.errors import GraphError, Problem
 from graphtex.files.reader import read
 from graphtex.files.writer import dumps
 from graphtex.files.yamltree import BULK_HINT, MAX_SIZE
@@ -26,7 +26,7 @@ def read_file(path: str | os.PathLike[str]) -> tuple[Document | None, list[Probl
             data = stream.read(MAX_SIZE + 1)
         return read(_decoded(data), file)
     except FileNotFoundError:
-        message = f"there is no such file{_neighbour(file)}"
+        message = "there is no such file"
     except IsADirectoryError:
         message = "a folder; a graph is one file"
     except PermissionError:
@@ -61,16 +61,6 @@ def _decoded(data: bytes) -> str:
         lines = before.replace("\r\n", "\n").replace("\r", "\n").split("\n")
         message = f"not UTF-8: byte 0x{data[error.start]:02x}; save the file as UTF-8"
         raise _Unreadable(message, len(lines), len(lines[-1]) + 1) from None
-
-
-def _neighbour(file: Path) -> str:
-    """Return a hint at a graph file beside the missing one whose name is near."""
-    try:
-        names = [other.name for other in file.parent.iterdir() if other.suffix in (".yaml", ".yml")]
-    except OSError:
-        return f"; there is no folder {str(file.parent)!r}" if not file.parent.exists() else ""
-    hint = did_you_mean(file.name, names, label="files")
-    return hint if "did you mean" in hint else ""
 
 
 def save(graph: Document, path: str | os.PathLike[str]) -> None:

@@ -1,5 +1,6 @@
 """Binding: what inputs become, how `each:` and sub-graphs unfold, under which ids, and what is told where they do not."""
 
+import errno
 from pathlib import Path
 
 import numpy as np
@@ -161,6 +162,16 @@ def test_a_folder_and_a_pattern_are_ranged_over(tmp_path):
         assert len(plan.tasks) == 4
 
 
+def test_a_folder_of_a_graph_that_is_named_from_elsewhere(tmp_path, monkeypatch):
+    (tmp_path / "my graphs" / "photos").mkdir(parents=True)
+    (tmp_path / "my graphs" / "photos" / "a.tex").write_text("1")
+    monkeypatch.chdir(tmp_path)
+    for default in ("photos", "photos/*.tex"):
+        inputs = f'  x: {{type: "list[Image]", default: "{default}"}}'
+        plan = bind(write(Path("my graphs/g.yaml"), "  a: {node: Fragile, each: {image: $x}}", inputs))
+        assert plan.tasks["$x[0]"].parameters["path"] == str(tmp_path / "my graphs" / "photos" / "a.tex")
+
+
 def test_given_lists_may_mix_arrays_and_names():
     plan = bind(graph("  a: {node: Total, images: $pictures}", PICTURES), {"pictures": [picture(1), "made:x"]})
     assert plan.tasks["a"].inputs["images"] == (Slot("$pictures[0]", "value"), Slot("$pictures[1]", "result"))
@@ -294,6 +305,8 @@ def test_the_seed_is_the_graph_s_or_what_replaces_it():
         ({"picture": "made:x", "by": 20}, ["by: should be at most 9, got 20"]),
         ({"picture": "nowhere.tex", "by": "x"}, ["by: expected float, got 'x'", "picture: there is no file "]),
         ({"picture": "a.nix"}, ["picture: nothing opens a file ending in '.nix' as Image"]),
+        ({"picture": ""}, ["picture: expected a path or scheme:name to open as Image, got an empty text"]),
+        ({"picture": "/"}, ["picture: '/' is a folder; Image is opened from one file"]),
         ({"picture": None}, ["picture: expected Image: float32 (h, w, c), got NoneType"]),
     ],
 )  # fmt: skip
@@ -305,6 +318,20 @@ def test_all_that_is_wrong_with_the_given_values_is_told(values, problems):
     got = told(lambda: bind(g, values))
     assert len(got) == len(problems)
     assert all(start in text for text, start in zip(got, problems, strict=True))
+
+
+@pytest.mark.parametrize("folder", [False, True])
+def test_what_may_not_be_read_is_told_before_anything_runs(tmp_path, monkeypatch, folder):
+    """Of root nothing is kept back: the error of the system is made by hand."""
+    (tmp_path / "a.tex").write_text("1")
+
+    def refuse(*_: object) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(Path, "iterdir" if folder else "open", refuse)
+    g = graph("  a: {node: Fragile, each: {image: $pictures}}", PICTURES)
+    wrong = str(tmp_path) if folder else str(tmp_path / "a.tex")
+    assert told(lambda: bind(g, {"pictures": wrong})) == [f"pictures: {wrong!r} cannot be read: Permission denied"]
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,7 @@ def test_views_writers_and_openers_are_found():
         ("a.jpg", "nothing opens a file ending in '.jpg' as Image; known: .png"),
         ("a", "nothing opens 'a', which has no file ending, as Image; known: .png"),
         ("sampel:x", "nothing opens 'sampel:' as Image; did you mean 'sample:'?"),
-        ("", "nothing opens '', which has no file ending"),
+        ("", "expected a path or scheme:name to open as Image, got an empty text"),
     ],
 )
 def test_what_nothing_opens_is_told_with_what_would_fit(text, told):

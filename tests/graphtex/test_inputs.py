@@ -38,7 +38,7 @@ def test_values_become_plain_data_of_the_type(kind, given, value):
         (Input("float"), float("nan"), "expected a finite number, got nan"),
         (Input("float"), 10**400, "expected float, got 1000"),
         (Input("str"), 3, "expected str, got 3"),
-        (Input("bool"), 1, "expected bool, got 1"),
+        (Input("bool"), 1, "expected true or false, got 1"),
         (Input("file"), "", "expected a file, got an empty text"),
         (Input("list[int]"), 3, "expected a list of int, got 3"),
         (Input("list[int]"), [1, "x"], "item 1: expected int, got 'x'"),

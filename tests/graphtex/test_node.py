@@ -307,8 +307,10 @@ def test_a_direct_call_names_what_does_not_fit(call, told):
 def test_unknown_and_missing_arguments_are_type_errors_as_for_any_function():
     with pytest.raises(TypeError, match=r"\(\) .*image"):
         everything()
-    with pytest.raises(TypeError, match=r"\(\) .*lewel"):
+    with pytest.raises(TypeError, match=r"\(\) .*lewel.*; did you mean 'level'\?"):
         everything(picture(1), lewel=1)
+    with pytest.raises(TypeError, match=r"too many positional arguments; parameters go by name: amount=\.\.\."):
+        tiny.add(picture(1), 0.5)
 
 
 def test_parameters_take_numpy_scalars_arrays_and_models():

@@ -76,10 +76,21 @@ def test_files_get_the_permissions_that_new_files_get(tmp_path):
 
 def half(value: float, path: Path, *, how: str = "disk") -> None:
     path.write_text("half")
-    raise OSError(28, "No space left on device") if how == "disk" else ValueError("it cannot hold this")
+    raise {
+        "disk": OSError(28, "No space left on device"),
+        "array": OSError("9 requested and 4 written"),
+        "value": ValueError("it cannot hold this"),
+    }[how]
 
 
-@pytest.mark.parametrize(("how", "told"), [("disk", "No space left on device"), ("value", "it cannot hold this")])
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [
+        ("disk", "No space left on device"),
+        ("array", "not written whole, is the disk full? (9 requested and 4 written)"),
+        ("value", "it cannot hold this"),
+    ],
+)
 def test_a_file_that_cannot_be_written_is_as_it_was(tmp_path, how, told):
     writer(Number, suffixes=(".half",))(half)
     (tmp_path / "m.half").write_text("old")

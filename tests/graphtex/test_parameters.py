@@ -24,6 +24,16 @@ class Source(BaseModel):
     scale: float = 1.0
 
 
+class Grow(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+    do: Literal["grow"] = "grow"
+
+
+class Shrink(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+    do: Literal["shrink"] = "shrink"
+
+
 def model_of(**hints: Any) -> type[BaseModel]:
     """Make a model; a hint may come with a default as a pair."""
     pairs = {name: hint if isinstance(hint, tuple) else (hint, inspect.Parameter.empty) for name, hint in hints.items()}
@@ -40,8 +50,8 @@ def model_of(**hints: Any) -> type[BaseModel]:
         (int, "3", "should be a valid integer, got '3'"),
         (float, False, "should be a valid number, got False"),
         (float, float("inf"), "should be a finite number, got inf"),
-        (bool, "no", "should be a valid boolean, got 'no'"),
-        (bool, 1, "should be a valid boolean, got 1"),
+        (bool, "no", "should be true or false, got 'no'"),
+        (bool, 1, "should be true or false, got 1"),
         (str, 5, "should be a valid string, got 5"),
         (Literal["ridges", "edges"], "ridge", "should be 'ridges' or 'edges', got 'ridge'; did you mean 'ridges'?"),
         (Annotated[int, Field(ge=1, le=9)], 10, "should be less than or equal to 9, got 10"),
@@ -65,6 +75,21 @@ def test_messages_say_what_would_fit_and_what_was_got(hint, value, told):
 )
 def test_faults_are_placed_within_the_value(hint, value, place):
     assert [where for where, _ in validate(model_of(value=hint), {"value": value})[1]] == [place]
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"edits": [{"do": "growe"}]}, "'do' should be 'grow', 'shrink', got 'growe'; did you mean 'grow'?"),
+        ({"edits": [{}]}, "'do' is required, got {}"),
+        ({"edits": [3]}, "should be a mapping, got 3"),
+        ({"edits": "grow"}, "should be a list, got 'grow'"),
+        ({"closed": 1}, "should be true or false, got 1"),
+    ],
+)
+def test_what_would_fit_is_said_in_the_words_of_a_graph_file(given, told):
+    edit = Annotated[Grow | Shrink, Field(discriminator="do")]
+    assert [text for _, text in validate(model_of(edits=(list[edit], []), closed=(bool, True)), given)[1]] == [told]
 
 
 def test_all_faults_are_told_at_once_with_unknown_and_missing_names():

@@ -51,7 +51,7 @@ def test_python_loads_a_shipped_graph_by_its_name(checkout):
     )
     for name in ("perspective/feature-mask", "graphs/perspective/feature-mask.yaml"):
         assert load(name).title == "Mine"
-    with pytest.raises(GraphError, match="there is no such file"):
+    with pytest.raises(GraphError, match="did you mean 'perspective/feature-mask'"):
         load("perspective/feature-msk")
 
 
@@ -59,11 +59,15 @@ def test_python_loads_a_shipped_graph_by_its_name(checkout):
     ("name", "told"),
     [
         ("perspective/feature-msk", "'perspective/feature-msk' is no file and no graph that ships; did you mean 'perspective/feature-mask'?"),
+        ("design", "'design' is no file and no graph that ships; there are design/chaos.v2"),
+        ("mien.yaml", "'mien.yaml' is no file and no graph that ships; did you mean 'mine.yaml'?"),
+        ("of/none", "'of/none' is no file and no graph that ships; `graphtex graphs` lists those that ship"),
         (".", "'.' is a folder, not a graph file"),
         ("/perspective/feature-mask", "'/perspective/feature-mask' is no file and no graph that ships"),
     ],
 )  # fmt: skip
 def test_what_is_not_there_is_told(checkout, name, told):
+    (checkout / "mine.yaml").write_text("")
     with pytest.raises(GraphError) as caught:
         find_graph(name)
     assert str(caught.value).startswith(told)

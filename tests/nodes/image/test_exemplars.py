@@ -209,7 +209,7 @@ def test_sample_is_always_the_same():
 
 
 def test_unknown_sample():
-    with pytest.raises(ValueError, match=r"'peebles'; did you mean 'pebbles'\?.*brick.*gravel.*twill"):
+    with pytest.raises(ValueError, match=r"should be 'pebbles' or another of .*brick.*gravel.*twill, got 'peebles'"):
         sample(name="peebles")
 
 

@@ -61,8 +61,8 @@ NAMES = tuple(sorted((*ELEMENTS, *GENERATED, *MATERIALS, *PHOTOGRAPHS)))
 def _known(name: str) -> str:
     if name not in NAMES:
         near = get_close_matches(name, NAMES, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        raise ValueError(f"no sample is called {name!r}{hint} There are: {', '.join(NAMES)}")
+        first = f"{near[0]!r} or another of" if near else "one of"
+        raise ValueError(f"should be {first} the samples {', '.join(NAMES)}")
     return name
 
 
