@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from graphtex.graph import Graph, load, loads
     from graphtex.handlers import opener, view, writer
     from graphtex.node import Node, node
+    from graphtex.outputs import write_outputs
     from graphtex.parameters import FilePath
     from graphtex.run import RunResult, run
     from graphtex.sockets import (
@@ -79,6 +80,7 @@ __all__ = [
     "run",
     "struct_type",
     "view",
+    "write_outputs",
     "writer",
 ]
 
@@ -88,6 +90,7 @@ _HOMES = {
     "graphtex.graph": "Graph load loads",
     "graphtex.handlers": "opener view writer",
     "graphtex.node": "Node node",
+    "graphtex.outputs": "write_outputs",
     "graphtex.parameters": "FilePath",
     "graphtex.run": "RunResult run",
     "graphtex.sockets": "AngleMap ArrayType Axes Directions Displacement Elements Gap Image LabelMap Mask "

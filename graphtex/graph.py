@@ -65,6 +65,11 @@ class Graph(Document):
     InputHandle(name='size')
     """
 
+    def __repr__(self) -> str:
+        parts = ", ".join(f"{key}: {' '.join(names)}" for key, names in
+                          (("inputs", self.inputs), ("nodes", self.nodes), ("outputs", self.outputs)))  # fmt: skip
+        return f"<Graph {self.title!r}; {parts}>"
+
     def input(self, name: str, type: Any, default: Any = REQUIRED, **bounds: Any) -> InputHandle:
         """Add a graph input; `type` is a socket type, a Python type or the name of one. Bounds as in `Input`.
 

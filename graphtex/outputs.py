@@ -1,5 +1,6 @@
 """Writes a run's outputs to files: each whole or not at all."""
 
+import os
 import uuid
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -28,7 +29,7 @@ class OutputError(GraphtexError):
         self.written = dict(written or {})
 
 
-def write_outputs(result: RunResult, folder: Path) -> dict[str, list[Path]]:
+def write_outputs(result: RunResult, folder: str | os.PathLike[str]) -> dict[str, list[Path]]:
     """Write all outputs of a run into a folder and return the files by output.
 
     Gaps of failed cells have none, nor has what a run that failed did not reach, nor a type that no file holds.
@@ -42,7 +43,7 @@ def write_outputs(result: RunResult, folder: Path) -> dict[str, list[Path]]:
     faults = []
     for name, output in result.plan.outputs.items():
         written[name] = []
-        for path, value in _files(output, result, folder):
+        for path, value in _files(output, result, Path(folder)):
             try:
                 written[name].append(write_value(output, value, path))
             except OutputError as error:

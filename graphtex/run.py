@@ -39,6 +39,9 @@ class RunResult(Mapping[str, Any]):
     finished: Finished
     cache: Cache | None
 
+    def __repr__(self) -> str:
+        return f"<RunResult: {', '.join(self)}>"
+
     def __getitem__(self, name: str) -> Any:
         if name not in self.plan.outputs:
             raise KeyError(f"no output {name!r}{did_you_mean(name, self.plan.outputs, label='outputs')}")

@@ -173,7 +173,7 @@ class Change:
 def explain(old: KeyParts, new: KeyParts) -> list[Change]:
     """Return what differs between two keys of a node, in the order code, parameters, inputs, seed, environment.
 
-    Empty if and only if the keys are equal.
+    Empty if and only if the keys are equal. Of another node nothing else is told: all the rest is another's.
 
     Examples
     --------
@@ -182,9 +182,10 @@ def explain(old: KeyParts, new: KeyParts) -> list[Change]:
     >>> [str(change) for change in explain(old, new)]
     ['version of Blur: 1 -> 2', 'parameter window: 16 -> 32']
     """
+    if old.node != new.node:
+        return [Change("node", old.node, new.node)]
     pairs = [
         ("format of graphtex", old.format, new.format),
-        ("node", old.node, new.node),
         (f"version of {new.node}", old.version, new.version),
         *_pairs("code of ", old.code.modules, new.code.modules, short=True),
         *_nested("parameter ", old.params, new.params),

@@ -12,6 +12,7 @@ from graphtex.cli.arguments import spread
 from graphtex.cli.cache import cache_app
 from graphtex.cli.check import check
 from graphtex.cli.demo import demo
+from graphtex.cli.graphs import graphs
 from graphtex.cli.new import new
 from graphtex.cli.nodes import nodes
 from graphtex.cli.run import run
@@ -41,8 +42,8 @@ def make_app() -> App:
     app = App(
         name="graphtex",
         help="Example-based texture synthesis and editing as a node-graph dataflow framework.\n\n"
-        "Try `graphtex demo`, then `graphtex nodes` and `graphtex run GRAPH --dry-run`. GRAPH is a YAML file, or the "
-        "name of a graph that ships with graphtex.",
+        "Try `graphtex demo`, then `graphtex graphs`, `graphtex nodes` and `graphtex run GRAPH --dry-run`. GRAPH is a "
+        "YAML file, or the name of a graph that ships with graphtex.",
         help_epilogue="Exit status: 0 done, 1 a node failed, 2 the request is wrong, 130 interrupted. "
         f"With --debug (or {DEBUG_VARIABLE}=1) errors show their tracebacks.",
         version=_version,
@@ -52,7 +53,7 @@ def make_app() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    commands: tuple[Callable[..., int], ...] = (run, demo, check, show, nodes, why, schema, new)
+    commands: tuple[Callable[..., int], ...] = (run, demo, graphs, check, show, nodes, why, schema, new)
     for command in commands:
         app.command(command)
     app.command(cache_app)

@@ -11,6 +11,7 @@ from graphtex.cli.tally import Tally
 from graphtex.cli.terminal import count, duration
 
 INTERVAL = 2.0  # seconds between two lines of progress of one node
+MOST_OF_WHY = 100  # characters
 
 
 class Display:
@@ -72,7 +73,8 @@ class PlainDisplay(Display):
         match event:
             case events.Started(task, why):
                 self._told[task] = now
-                self.note(f"{task}: {self.tally.nodes.get(task, 'node')} runs{f' ({why})' if why else ''}")
+                reason = f" ({shortened(why)})" if why else ""
+                self.note(f"{task}: {self.tally.nodes.get(task, 'node')} runs{reason}")
             case events.Progress(task, 0.0, message) if message:  # what a node says before it starts is always told
                 self._told[task] = now
                 self.note(f"{task}: {message}")
@@ -83,6 +85,11 @@ class PlainDisplay(Display):
                 line = told(event)
                 if line:
                     self.note(line)
+
+
+def shortened(why: str) -> str:
+    """Return a reason that fits into a line; ``graphtex why`` tells all of it."""
+    return why if len(why) <= MOST_OF_WHY else f"{why[: MOST_OF_WHY - 3]}..."
 
 
 def told(event: events.Event) -> str:

@@ -1,5 +1,6 @@
 """``graphtex run``: run a graph and write its outputs."""
 
+import os
 import sys
 from collections.abc import Mapping
 from contextlib import redirect_stdout
@@ -57,7 +58,7 @@ def run(
     only
         The output to make; again for another. By default all.
     executor
-        Where nodes run, see the documentation; by default serial, or threads if there are workers.
+        Where nodes run: serial or threads; by default serial, or threads if there are workers.
     workers
         How many nodes run at once.
     cache
@@ -237,3 +238,5 @@ def _check_folder(folder: Path, option: str) -> None:
     except OSError as error:
         message = f"the folder {str(folder)!r} cannot be made: {error.strerror or error}"
         raise GraphError([Problem("", 0, 0, option, message)]) from error
+    if not os.access(folder, os.W_OK):
+        raise GraphError([Problem("", 0, 0, option, f"the folder {str(folder)!r} cannot be written to")])

@@ -60,7 +60,7 @@ def test_lists_are_numbered_and_gaps_keep_their_numbers(tmp_path):
 def test_writing_is_never_skipped_as_cached(tmp_path):
     g = loads(f"graphtex: 1\nnodes:\n{ONE}\noutputs: {{a: one}}\n")
     for _ in range(2):
-        (file,) = write_outputs(run(g, cache=tmp_path / "cache"), tmp_path)["a"]
+        (file,) = write_outputs(run(g, cache=tmp_path / "cache"), str(tmp_path))["a"]
         assert file.exists()
         file.unlink()
 

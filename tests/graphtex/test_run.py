@@ -77,6 +77,13 @@ def test_composites_lists_and_optional_sockets_flow(tmp_path):
         assert values(result) == [3, 3]
 
 
+def test_a_result_is_shown_by_the_names_of_its_outputs():
+    g = Graph(title="Copy")
+    g.output("out", g.add(tiny.add, image=g.input("p", "Image")))
+    assert repr(g) == "<Graph 'Copy'; inputs: p, nodes: add, outputs: out>"
+    assert repr(run(g, {"p": picture(1)}, cache=False)) == "<RunResult: out>"
+
+
 def test_only_runs_what_some_outputs_need():
     g = graph("  a: {node: Const}\n  b: {node: Add, image: a}\n  c: {node: Whole, image: a}", outputs="b: b, c: c")
     assert list(run(g, only=["c"], cache=False)) == ["c"]

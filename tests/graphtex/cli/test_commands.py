@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from graphtex.shipped import shipped_names
 from tests.graphtex.cli.conftest import Command
 
 
@@ -36,6 +37,29 @@ def test_check_takes_a_folder_and_inputs_without_default_are_no_problem(
     (folder / "sub" / "open.yaml").write_text(small.read_text().replace("default: 0.25, ", ""))
     told = command("check", ".")
     assert (told.status, told.out.splitlines(), told.err) == (0, ["small.yaml: ok", "sub/open.yaml: ok"], "")
+
+
+def test_graphs_lists_what_ships_and_tells_what_one_takes_and_makes(command: Command, small: Path) -> None:
+    told = command("graphs")
+    lines = told.out.splitlines()
+    assert [line.split()[0] for line in lines] == shipped_names()
+    assert all(len(line.split()) > 2 for line in lines)  # a title each
+    told = command("graphs", "small.yaml")
+    assert told.out.splitlines() == [
+        "small.yaml: Small",
+        "",
+        "Inputs, each given by --set NAME=VALUE",
+        "  value     float, 0 to 2  default 0.25",
+        "  textures  list[Image]    default []",
+        "",
+        "Outputs",
+        "  image  Image",
+        "  base   Image",
+    ]
+    assert (
+        command("graphs", "smal.yaml").err
+        == "'smal.yaml' is no file and no graph that ships; did you mean 'small.yaml'?\n"
+    )
 
 
 def test_show_writes_by_suffix_and_prints_mermaid(command: Command, small: Path) -> None:

@@ -57,6 +57,13 @@ def test_tally_counts_and_tells_warnings_once() -> None:
     assert Tally().counts() == "nothing ran"
 
 
+def test_a_long_reason_is_cut() -> None:
+    stream = io.StringIO()
+    PlainDisplay(stream)(events.Started("b", "; ".join(f"input images[{i}]: 0 -> 1" for i in range(20))))
+    assert stream.getvalue().endswith("...)\n")
+    assert len(stream.getvalue()) < 120
+
+
 def test_plain_lines_limit_the_rate_of_progress() -> None:
     clock, stream = Clock(), io.StringIO()
     display = PlainDisplay(stream, clock)

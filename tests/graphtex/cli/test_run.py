@@ -306,6 +306,17 @@ def test_a_wrong_size_in_the_environment_is_a_wrong_request(
         assert told.err.startswith("GRAPHTEX_CACHE_SIZE: ")
 
 
+@pytest.mark.parametrize("option", ["--out", "--report"])
+def test_a_folder_that_cannot_be_written_to_is_told_before_anything_runs(
+    command: Command, small: Path, monkeypatch: pytest.MonkeyPatch, option: str
+) -> None:
+    Path("shut").mkdir()
+    monkeypatch.setattr("os.access", lambda path, mode: Path(path).name != "shut")  # root may write anywhere
+    told = command("run", "small.yaml", option, {"--out": "shut", "--report": "shut/report.html"}[option])
+    assert told.status == 2
+    assert told.err == f"{option}: the folder 'shut' cannot be written to\n"
+
+
 def test_an_output_that_cannot_be_written_gives_status_1(command: Command, small: Path) -> None:
     Path("o/image.num").mkdir(parents=True)
     told = command("run", "small.yaml", "--out", "o")
