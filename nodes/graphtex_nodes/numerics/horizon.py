@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from graphtex_nodes.numerics.matching import Level, anchors, fits, laid_flat
-from graphtex_nodes.numerics.moves import Slope
+from graphtex_nodes.numerics.move_search import Level, anchors, fits, laid_flat
 from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics.plane_moves import Slope
 
 LEAST, STEEPEST, STEEPER = 0.15, 1.6, 1.2
 """Changes of scale over the picture that are tried, in units of that at the hole; and their ratio."""

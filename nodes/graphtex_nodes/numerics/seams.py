@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from graphtex_nodes.numerics import membrane, seam_kernels
 from graphtex_nodes.numerics.parallel import Work, for_rows
-from graphtex_nodes.numerics.pieces import RADIUS
 from graphtex_nodes.numerics.problem import Problem, Result
+from graphtex_nodes.numerics.seam_neighbours import RADIUS
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from graphtex import Context
 from graphtex_nodes.numerics.continuation import continued, fitted_plane
-from graphtex_nodes.numerics.moves import Slope
 from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics.plane_moves import Slope
 from graphtex_nodes.perspective.feature_mask import feature_mask
 from graphtex_nodes.perspective.feature_scale import window_mean
 

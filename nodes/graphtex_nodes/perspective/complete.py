@@ -124,7 +124,7 @@ def complete(
 
     announce(ctx, "window_kernels", "search_kernels", "vote_kernels", "seam_kernels")
     from graphtex_nodes.numerics.problem import Settings
-    from graphtex_nodes.perspective._filling import Canvas
+    from graphtex_nodes.perspective._canvas import Canvas
 
     scales = np.ones(hole.shape, np.float32) if scale is None else scale.copy()
     canvas = Canvas(photo.copy(), own_places(hole.shape), scales, hole, usable)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Axes, Context, Image, Mask, SourceMap, node
-from graphtex_nodes.numerics import pieces
+from graphtex_nodes.numerics import seam_neighbours
 from graphtex_nodes.numerics.materials import MapKind, renormalised, require_channels
 from graphtex_nodes.numerics.sources import Look, continued
 
@@ -81,7 +81,7 @@ def replay(
     result = np.empty((height, width, channels), np.float32)
     columns, right = _pixels(0, width, source.shape[1], factor)
     free = np.ones(source.shape[:2], bool) if known is None else ~known
-    mixed = pieces.near_seams(source, free) if vote == "blend" else np.zeros(source.shape[:2], bool)
+    mixed = seam_neighbours.near_seams(source, free) if vote == "blend" else np.zeros(source.shape[:2], bool)
     rows_at_once = max(1, BAND // width)
     for first in range(0, height, rows_at_once):
         rows, down = _pixels(first, min(height, first + rows_at_once), source.shape[0], factor)
@@ -92,7 +92,7 @@ def replay(
         y, x = np.nonzero(mixed[np.ix_(rows, columns)])
         if len(y):
             place, parent = np.unique(rows[y] * source.shape[1] + columns[x], return_inverse=True)
-            around = pieces.around(source, free, *np.divmod(place, source.shape[1]))
+            around = seam_neighbours.around(source, free, *np.divmod(place, source.shape[1]))
             band[y, x] = renormalised(_mixture(looks, around, parent, [down[y], right[x]], factor), kinds)
         ctx.progress(min(1.0, (first + len(rows)) / height), "copying")
     return result
@@ -148,18 +148,20 @@ def _look(looks: list[Look], points: Array, offset: list[Array], factor: float) 
     return result
 
 
-def _mixture(looks: list[Look], around: pieces.Around, parent: Array, offset: list[Array], factor: float) -> Array:
+def _mixture(
+    looks: list[Look], around: seam_neighbours.Around, parent: Array, offset: list[Array], factor: float
+) -> Array:
     """Weighted mean (n, c) of what the pieces around show, each continued up to the pixels.
 
     Pixels lie at an ``offset`` (down, right) from pixels of the source map, whose numbers in ``around`` are their
     ``parent``.
     """
-    apart = [part[:, None] - pieces.OFFSETS[:, axis] for axis, part in enumerate(offset)]
-    weights = np.exp(-2 * (apart[0] ** 2 + apart[1] ** 2) / pieces.RADIUS**2)
+    apart = [part[:, None] - seam_neighbours.OFFSETS[:, axis] for axis, part in enumerate(offset)]
+    weights = np.exp(-2 * (apart[0] ** 2 + apart[1] ** 2) / seam_neighbours.RADIUS**2)
     shapes = np.array([look.exemplar.shape[:2] for look in looks]) / factor
     total = np.zeros((len(parent), looks[0].exemplar.shape[2]))
     sums = np.zeros((len(parent), 1))
-    for number in range(len(pieces.OFFSETS)):
+    for number in range(len(seam_neighbours.OFFSETS)):
         chosen = np.flatnonzero(around.first[parent, number] == number)
         points = around.points[parent[chosen], number]
         inside = np.ones(len(chosen), bool)

@@ -8,7 +8,7 @@ from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.exemplars.sample_mask import sample_mask
 from graphtex_nodes.numerics.continuation import continued, fitted_plane
-from graphtex_nodes.numerics.moves import Slope
+from graphtex_nodes.numerics.plane_moves import Slope
 from graphtex_nodes.perspective.complete import complete
 from tests.nodes.perspective.holes import KINDS, hole_of
 
@@ -139,7 +139,7 @@ def test_periodic_picture_is_restored():
 @pytest.mark.parametrize("largest", [150_000, 8_000])
 def test_pieces_are_cut_on_several_levels(largest, monkeypatch):
     """From a picture of a quarter of the sides up, moves stay right to the pixel."""
-    monkeypatch.setattr("graphtex_nodes.perspective._filling.MATCHED", largest)
+    monkeypatch.setattr("graphtex_nodes.perspective._canvas.MATCHED", largest)
     tile = np.random.default_rng(2).random((20, 28, 1)).astype(np.float32).repeat(4, axis=0).repeat(4, axis=1)
     photo = np.tile(tile, (4, 3, 1))
     hole = np.zeros(photo.shape[:2], bool)

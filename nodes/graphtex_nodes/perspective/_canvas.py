@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics import levels, moved_pieces, seams
+from graphtex_nodes.numerics import hole_pieces, levels, seams
 from graphtex_nodes.numerics.horizon import refined
-from graphtex_nodes.numerics.matching import Level
-from graphtex_nodes.numerics.moves import Slope
+from graphtex_nodes.numerics.move_search import Level
 from graphtex_nodes.numerics.parallel import Portion, Work
+from graphtex_nodes.numerics.plane_moves import Slope
 from graphtex_nodes.numerics.problem import Settings
 from graphtex_nodes.numerics.request import Scales, pose
 from graphtex_nodes.numerics.sources import COLUMN, ROW
@@ -58,7 +58,7 @@ class Canvas:
         scale = hole_scale.measured_scale(level.picture, self.hole[box], harmonic, work)
         slope = hole_scale.slope_of(scale, level.hole)
         if not harmonic and not slope.flat:
-            smaller = moved_pieces.halvings(level, LOOKED_AT)
+            smaller = hole_pieces.halvings(level, LOOKED_AT)
             count = len(smaller) - 1
             slope = refined(slope.halved(count), smaller[-1], work).halved(-count)
             row, column = round(slope.row), round(slope.column)
@@ -68,17 +68,17 @@ class Canvas:
 
     def put_pieces(self, part: Array, box: Box, scaled: bool, work: Work) -> Array:
         """Fill a part with pieces; what is left of it (h, w)."""
-        halvings = moved_pieces.halvings(self.level(part, box), MATCHED)
+        halvings = hole_pieces.halvings(self.level(part, box), MATCHED)
         coarsest, count = halvings[-1], len(halvings) - 1
         slope = hole_scale.slope_of(self.scales[box], part[box]).halved(count)
         slopes, log = [Slope(slope.row, slope.column)], None
         if scaled:
             log = np.log2(self.scales[box][:: 1 << count, :: 1 << count])
             slopes += [] if slope.flat else [slope]
-        moves = moved_pieces.choose(coarsest, slopes, log, Portion(work, 0, 0.2))
+        moves = hole_pieces.choose(coarsest, slopes, log, Portion(work, 0, 0.2))
         if not moves:
             return part
-        found = moved_pieces.fill(halvings, moves, Portion(work, 0.2, 0.8))
+        found = hole_pieces.fill(halvings, moves, Portion(work, 0.2, 0.8))
         done = np.argwhere(part)[found.filled]
         rows, columns = done[:, 0], done[:, 1]
         self.image[rows, columns] = found.colours[found.filled]

@@ -5,8 +5,8 @@ from graphtex import Context
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.numerics.horizon import refined
-from graphtex_nodes.numerics.matching import Level, anchors, fits, laid_flat
-from graphtex_nodes.numerics.moves import Move, Slope, Views
+from graphtex_nodes.numerics.move_search import Level, anchors, fits, laid_flat
+from graphtex_nodes.numerics.plane_moves import Move, Slope, Views
 
 PLACES = np.array([3.0, 8.0, 15.0]), np.array([2.0, 9.0, 4.0])
 TILTED = Slope(10.0, 7.0, 0.05, -0.02)

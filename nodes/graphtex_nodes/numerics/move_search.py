@@ -1,4 +1,4 @@
-"""Moves over a plane after which a picture fits what is known around a hole (He & Sun 2012, over planes)."""
+"""Search for moves over a plane after which a picture fits what is known around a hole (He & Sun 2012, over planes)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics.moves import Move, Slope
 from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics.plane_moves import Move, Slope
 
 Array = NDArray[Any]
 

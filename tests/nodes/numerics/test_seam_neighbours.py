@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.pieces import OFFSETS, around, near_seams
+from graphtex_nodes.numerics.seam_neighbours import OFFSETS, around, near_seams
 from graphtex_nodes.numerics.sources import source_map
 
 ALL = np.ones((9, 9), bool)

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.expansion import expand
-from graphtex_nodes.numerics.matching import Fit, Level, anchors, fits, laid_flat
 from graphtex_nodes.numerics.membrane import SCREEN, relaxed
-from graphtex_nodes.numerics.moves import Move, Slope, Views
+from graphtex_nodes.numerics.move_search import Fit, Level, anchors, fits, laid_flat
 from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics.plane_moves import Move, Slope, Views
 from graphtex_nodes.numerics.pyramid import masked_pyramid
 
 Array = NDArray[Any]
