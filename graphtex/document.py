@@ -17,6 +17,7 @@ from graphtex.node import Node
 Place = tuple[str | int, ...]
 FORMAT = 1
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+NAMED_AFTER = re.compile(r"\{([^{}]*)\}")  # in an output's file: the list input after whose files its items are named
 SCALAR_TYPES = ("int", "float", "str", "bool", "file", "data")
 
 
@@ -67,7 +68,10 @@ class Entry:
 
 @dataclass(frozen=True)
 class Output:
-    """What a run returns and writes: a reference, the file's name and options of its writer."""
+    """What a run returns and writes: a reference, the file's name and options of its writer.
+
+    ``{pictures}`` in the name of a list's file stands for the names of the files that the list input `pictures` got.
+    """
 
     source: str
     file: str | None = None

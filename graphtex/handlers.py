@@ -21,13 +21,17 @@ View = Callable[[Any], NDArray[np.uint8]]
 
 @dataclass(frozen=True)
 class Writer:
-    """Writes values of one type to files of some suffixes; `check` refuses options that a suffix does not go with."""
+    """Writes values of one type to files of some suffixes; `check` refuses options that a suffix does not go with.
+
+    With `folder` what it writes is a folder, in place of a file.
+    """
 
     type_name: str
     suffixes: tuple[str, ...]
     function: Callable[..., None]
     options: type[BaseModel]
     check: Callable[..., None] | None = None
+    folder: bool = False
 
     def require(self, suffix: str, options: BaseModel) -> None:
         """Raise ValueError if files of a suffix cannot be written with these options, whatever the value."""
@@ -37,13 +41,17 @@ class Writer:
 
 @dataclass(frozen=True)
 class Opener:
-    """A node with one text parameter that makes a value from a path or a ``scheme:name``."""
+    """A node with one text parameter that makes a value from a path or a ``scheme:name``.
+
+    With `folder` its paths are those of folders, each of which is one value.
+    """
 
     type_name: str
     node: Node[Any, Any]
     parameter: str
     suffixes: tuple[str, ...] = ()
     scheme: str = ""
+    folder: bool = False
 
 
 def fields(model: BaseModel) -> dict[str, Any]:
@@ -108,12 +116,14 @@ def writer(
     suffixes: tuple[str, ...],
     default: str | None = None,
     check: Callable[..., None] | None = None,
+    folder: bool = False,
 ) -> Callable[[F], F]:
     """Decorate ``f(value, path, *, option=...)``: writes the type to files with these suffixes.
 
     Keyword-only arguments become keys of an output entry in a graph file. The caller passes a temporary path that
     ends in the right suffix and renames it; ValueError says what the format cannot hold. ``check(suffix, option=...)``
-    says so of options alone: it is called when a graph is checked, before anything has run.
+    says so of options alone: it is called when a graph is checked, before anything has run. With ``folder`` the path
+    is that of a folder which the writer makes.
     """
     kind = _type_of(hint, "writer")
 
@@ -128,7 +138,7 @@ def writer(
             _refuse_second(f"a writer of {kind.name} as {suffix}", known.function if known else None, function)
         keywords = [p for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY]
         options = parameters_model(name, keywords, get_type_hints(function, include_extras=True))
-        entry = Writer(kind.name, ends, function, options, check)
+        entry = Writer(kind.name, ends, function, options, check, folder)
         WRITERS.update({(kind.name, suffix): entry for suffix in ends})
         if default is not None:
             DEFAULT_SUFFIX[kind.name] = default
@@ -138,9 +148,13 @@ def writer(
 
 
 def opener(
-    hint: Any, *, suffixes: tuple[str, ...] = (), scheme: str = ""
+    hint: Any, *, suffixes: tuple[str, ...] = (), scheme: str = "", folder: bool = False
 ) -> Callable[[Node[Any, Any]], Node[Any, Any]]:
-    """Decorate a node whose one required parameter is a path or a name: it opens such strings as the type."""
+    """Decorate a node whose one required parameter is a path or a name: it opens such strings as the type.
+
+    With ``folder`` the paths are those of folders with these suffixes: each is one value, and counts as a file wherever
+    files are looked for.
+    """
     kind = _type_of(hint, "opener")
 
     def register(made: Node[Any, Any]) -> Node[Any, Any]:
@@ -167,7 +181,7 @@ def opener(
         again = [
             e for e in OPENERS if e not in others and (e.type_name, e.scheme, e.suffixes) != (kind.name, scheme, ends)
         ]
-        OPENERS[:] = [*others, *again, Opener(kind.name, made, required[0], ends, scheme)]
+        OPENERS[:] = [*others, *again, Opener(kind.name, made, required[0], ends, scheme, folder)]
         return made
 
     return register
@@ -199,6 +213,16 @@ def find_opener(kind: SocketType, text: str) -> tuple[Opener, str]:
 def suffixes_of(kind: SocketType) -> frozenset[str]:
     """Return the suffixes of files that open as a type."""
     return frozenset(suffix for entry in OPENERS if entry.type_name == kind.name for suffix in entry.suffixes)
+
+
+def is_value_file(path: Path) -> bool:
+    """Return whether there is a file, or a folder that is opened as one value."""
+    return path.is_file() or (names_folder(path) and path.is_dir())
+
+
+def names_folder(path: Path) -> bool:
+    """Return whether a path's suffix is that of folders which are opened as one value."""
+    return any(entry.folder and path.suffix.lower() in entry.suffixes for entry in OPENERS)
 
 
 def find_writer(kind: SocketType, suffix: str) -> Writer:

@@ -8,7 +8,7 @@ from typing import Any
 
 from graphtex.document import SCALAR_TYPES, Input
 from graphtex.errors import did_you_mean
-from graphtex.handlers import find_opener, suffixes_of
+from graphtex.handlers import find_opener, is_value_file, suffixes_of
 from graphtex.parameters import plain, shorten
 from graphtex.sockets import TYPES, ValueType, parse_type
 
@@ -122,19 +122,20 @@ def expand_paths(value: Any, kind: Input, base: Path) -> list[Any]:
 def _found_paths(text: str, kind: Input, base: Path) -> list[str]:
     inner = split_type(kind.type)[0]
     folder = base / text
+    if is_value_file(folder) or not (folder.is_dir() or glob.has_magic(text)):
+        return [text]
     if folder.is_dir():
         suffixes = suffixes_of(TYPES[inner]) if inner in TYPES else None
         found = [
             path
             for path in folder.iterdir()
-            if path.is_file()
+            if is_value_file(path)
             and not path.name.startswith(".")
             and (suffixes is None or path.suffix.lower() in suffixes)
         ]
-    elif folder.is_file() or not glob.has_magic(text):
-        return [text]
     else:
-        found = [base / name for name in glob.glob(text, root_dir=base, recursive=True) if (base / name).is_file()]  # noqa: PTH207 (Path.glob takes no absolute pattern)
+        matches = glob.glob(text, root_dir=base, recursive=True)  # noqa: PTH207 (Path.glob takes no absolute pattern)
+        found = [base / name for name in matches if is_value_file(base / name)]
     if not found:
         what = f"file that opens as {inner}" if inner in TYPES else "file"
         raise ValueError(f"{text!r} holds no {what}" if folder.is_dir() else f"no file matches {text!r}")

@@ -14,6 +14,7 @@ from graphtex.cache import (
     digest_value,
     environment,
     file_digest,
+    files_below,
 )
 from graphtex.node import Node
 from graphtex.parameters import validate, with_files
@@ -23,7 +24,7 @@ from graphtex.work import Held
 
 KEY_FORMAT = 1  # raise it when the framework changes what a result depends on
 Forecast = Literal["cached", "runs", "maybe"]
-_Stamp = tuple[int, int, int]
+_Stamp = tuple[tuple[str, int, int, int], ...]
 
 
 class Keys:
@@ -88,11 +89,13 @@ class Keys:
 
 
 def _stamp(path: Path) -> _Stamp:
+    """Return what changes with a file or with one of a folder's; nothing if it cannot be read."""
     try:
-        status = path.stat()
+        files = files_below(path) if path.is_dir() else [path]
+        told = [(file.stat(), str(file)) for file in files]
     except OSError:
-        return (-1, -1, -1)
-    return status.st_mtime_ns, status.st_size, status.st_ino
+        return ()
+    return tuple((name, status.st_mtime_ns, status.st_size, status.st_ino) for status, name in told)
 
 
 _UNKNOWN = Held(ValueType(TYPES["Number"]), in_memory=False)  # of a task that has not run; the type does not matter

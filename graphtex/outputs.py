@@ -1,12 +1,13 @@
 """Writes a run's outputs to files: each whole or not at all."""
 
 import os
+import shutil
 import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from graphtex.cache import EntryLost
+from graphtex.cache import EntryLost, file_digest
 from graphtex.errors import GraphtexError
 from graphtex.handlers import DEFAULT_SUFFIX, fields, find_writer
 from graphtex.parameters import validate
@@ -63,13 +64,16 @@ def _files(output: PlannedOutput, result: RunResult, folder: Path) -> Iterator[t
         value = result[output.name]
     except EntryLost:  # only after a failure: a run that ends well holds its outputs
         return
-    for name, item in _numbered(file, value) if isinstance(value, list) else [(file, value)]:
+    for name, item in _named(file, output.names, value) if isinstance(value, list) else [(file, value)]:
         if not isinstance(item, Gap):
             yield folder / name, item
 
 
-def _numbered(file: str, items: list[Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the file name of each item: ``cells-07.png``."""
+def _named(file: str, names: Sequence[str], items: list[Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the file name of each item: ``cells-07.png``, or what the file makes of its own name."""
+    if names:
+        yield from ((file.replace("{}", name), item) for name, item in zip(names, items, strict=True))
+        return
     suffix = Path(file).suffix
     digits = len(str(max(len(items) - 1, 0)))
     for index, item in enumerate(items):
@@ -77,7 +81,11 @@ def _numbered(file: str, items: list[Any]) -> Iterator[tuple[str, Any]]:
 
 
 def write_value(output: PlannedOutput, value: Any, path: Path) -> Path:
-    """Write one value to one file by way of a temporary one."""
+    """Write one value to one file by way of a temporary one.
+
+    A folder that was there already and holds something else is kept beside the new one, as ``name.old``: people may
+    have worked on it.
+    """
     writer = find_writer(output.type.base, path.suffix)
     options, problems = validate(writer.options, output.options)
     if options is None:
@@ -87,8 +95,13 @@ def write_value(output: PlannedOutput, value: Any, path: Path) -> Path:
         scratch = path.parent / f".{path.stem[:40]}-{uuid.uuid4().hex}{path.suffix}"
         try:
             writer.function(value, scratch, **fields(options))
-            scratch.replace(path)
+            if writer.folder:
+                _swap(scratch, path)
+            else:
+                scratch.replace(path)
         finally:
+            if scratch.is_dir():
+                shutil.rmtree(scratch)
             scratch.unlink(missing_ok=True)
     except (OSError, ValueError) as error:
         reason = str(error)
@@ -96,3 +109,21 @@ def write_value(output: PlannedOutput, value: Any, path: Path) -> Path:
             reason = error.strerror or f"not written whole, is the disk full? ({reason})"
         raise OutputError(f"{path}: {reason}") from error
     return path
+
+
+def _swap(scratch: Path, path: Path) -> None:
+    """Put a new folder in the place of an old one, which is kept unless it holds the same."""
+    if not path.exists():
+        scratch.rename(path)
+    elif not path.is_dir():
+        raise ValueError("there is a file of this name, and a folder is to be written")
+    elif file_digest(scratch) != file_digest(path):
+        kept = path.with_name(f"{path.name}.old")
+        if kept.exists():
+            shutil.rmtree(kept)
+        path.rename(kept)
+        try:
+            scratch.rename(path)
+        except OSError:
+            kept.rename(path)
+            raise

@@ -83,7 +83,15 @@ class Task:
 
 @dataclass(frozen=True)
 class PlannedOutput:
-    """One output of the graph: where it comes from and how it is written; `joined`: each slot is an item of a list."""
+    """One output of the graph: where it comes from and how it is written.
+
+    Attributes
+    ----------
+    joined
+        Each slot is an item of a list.
+    file
+        Its name, with ``{}`` in the place of each item's of `names`, if there are some.
+    """
 
     name: str
     slots: tuple[Slot, ...]
@@ -91,6 +99,7 @@ class PlannedOutput:
     joined: bool = False
     file: str | None = None
     options: Mapping[str, Any] = field(default_factory=dict)
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

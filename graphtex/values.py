@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from graphtex.document import Input
-from graphtex.handlers import Opener, find_opener
+from graphtex.handlers import Opener, find_opener, is_value_file, names_folder
 from graphtex.inputs import check_scalar, expand_paths, is_list, split_type
 from graphtex.parameters import files_of, validate, with_files
 from graphtex.plan import Slot, Task, stream_words
@@ -31,11 +31,14 @@ class Values:
     ----------
     seed
         The run's, for openers that draw random numbers.
+    names
+        What the items of a list are called: the stems of their files.
     """
 
     seed: int
     tasks: dict[str, Task] = field(default_factory=dict)
     given: dict[Slot, tuple[ValueType, Any]] = field(default_factory=dict)
+    names: dict[str, tuple[str, ...]] = field(default_factory=dict)
     _opened: dict[tuple[str, str], Slot] = field(default_factory=dict)
 
     def bind(self, task: str, kind: Input, value: Any, base: Path) -> Bound | Scalar:
@@ -46,6 +49,7 @@ class Values:
         if not wanted.many:
             return self.open(task, wanted, value, base)
         items = expand_paths(value, kind, base)
+        self.names[task] = tuple(_item_name(item, index) for index, item in enumerate(items))
         return tuple(self.open(f"{task}[{i}]", ValueType(wanted.base), item, base) for i, item in enumerate(items))
 
     def open(self, task: str, kind: ValueType, value: Any, base: Path) -> Slot:
@@ -88,6 +92,10 @@ class Values:
         return {slot.task for slot in self._opened.values()}
 
 
+def _item_name(item: Any, index: int) -> str:
+    return Path(str(item).rpartition(":")[2]).stem if isinstance(item, str | Path) else str(index)
+
+
 def scalar(kind: Input, value: Any, base: Path) -> Scalar:
     """Return the value of an input for parameters, files absolute; ValueError if the input does not admit it."""
     inner = split_type(kind.type)[0]
@@ -104,6 +112,11 @@ def scalar(kind: Input, value: Any, base: Path) -> Scalar:
 def require_file(file: Path) -> None:
     """Raise ValueError if there is no such file, or none that may be read."""
     try:
+        if names_folder(file) and is_value_file(file):
+            if file.is_file():
+                raise ValueError(f"{str(file)!r} is a file, not a folder")
+            next(file.iterdir(), None)
+            return
         if file.is_dir():
             raise ValueError(f"{str(file)!r} is a folder, not a file")
         if not file.is_file():

@@ -21,7 +21,7 @@ Nothing here imports scipy, numba, pydantic or any module of nodes.
 """
 
 from graphtex.cache.code import code_digest, module_digest
-from graphtex.cache.digest import canonical_json, digest_value, file_digest
+from graphtex.cache.digest import canonical_json, digest_value, file_digest, files_below
 from graphtex.cache.errors import BadSource, CacheUnavailable, DamagedEntry, EntryLost, MissingEntry, NoSource
 from graphtex.cache.eviction import Pruned, parse_size
 from graphtex.cache.facade import Cache, Info, Session, Verified, base_directory
@@ -52,6 +52,7 @@ __all__ = [
     "environment",
     "explain",
     "file_digest",
+    "files_below",
     "module_digest",
     "parse_size",
 ]

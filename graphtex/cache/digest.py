@@ -97,9 +97,21 @@ def text_digest(text: str) -> str:
 
 
 def file_digest(path: str | Path) -> str:
-    """Return the SHA-256 of a file's content, in hex; OSError if it cannot be read."""
+    """Return the SHA-256 of a file's content, in hex; OSError if it cannot be read.
+
+    That of a folder covers the names and contents of all files in it, but for hidden ones.
+    """
+    if Path(path).is_dir():
+        found = [[file.relative_to(path).as_posix(), file_digest(file)] for file in files_below(Path(path))]
+        return text_digest(canonical_json(found))
     with Path(path).open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def files_below(folder: Path) -> list[Path]:
+    """Return the files of a folder and of those in it, sorted by path, without hidden ones."""
+    shown = (path for path in folder.rglob("*") if not any(part[0] == "." for part in path.relative_to(folder).parts))
+    return sorted(path for path in shown if path.is_file())
 
 
 def digest_value(type_name: str, value: Any) -> str:

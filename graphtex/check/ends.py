@@ -4,13 +4,14 @@ import re
 from dataclasses import replace
 from pathlib import PurePosixPath
 
-from graphtex.document import REQUIRED, Document, Input, Output, Place
-from graphtex.errors import GraphError, Problem
+from graphtex.document import NAMED_AFTER, REQUIRED, Document, Input, Output, Place
+from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.handlers import DEFAULT_SUFFIX, find_writer
-from graphtex.inputs import check_scalar, default_faults, split_type
+from graphtex.inputs import check_scalar, default_faults, is_list, split_type
 from graphtex.links import Links
 from graphtex.parameters import validate
 from graphtex.references import is_scalar, reference
+from graphtex.sockets import ValueType
 
 
 def input_problems(graph: Document) -> list[Problem]:
@@ -86,6 +87,7 @@ def _output_problems(links: Links, path: Place, output: Output) -> list[Problem]
         kind = links.type_of(place, reference(graph, place, output.source))
     except GraphError as error:
         return [*problems, *error.problems]
+    problems += [graph.problem((*path, "file"), text) for text in _naming_faults(graph, output.file or "", kind)]
     suffix = PurePosixPath(output.file).suffix if output.file else DEFAULT_SUFFIX.get(kind.base.name)
     if suffix is None:
         told = f"{kind.base.name} is not written, so it has no option"  # it is handed back all the same
@@ -105,6 +107,20 @@ def _output_problems(links: Links, path: Place, output: Output) -> list[Problem]
         told = text.replace("parameter", "option") if unknown else text
         problems.append(graph.problem((*path, *where), told, key=unknown))
     return problems
+
+
+def _naming_faults(graph: Document, file: str, kind: ValueType) -> list[str]:
+    """Return what is wrong with ``{input}`` in a file's name."""
+    found = NAMED_AFTER.findall(file)
+    if not found:
+        return []
+    lists = [name for name, one in graph.inputs.items() if is_list(one) and not is_scalar(one)]
+    if found[0] not in lists:
+        hint = did_you_mean(found[0], lists, label="such inputs")
+        return [f"{{{found[0]}}} is no list input whose files the output's could be named after{hint}"]
+    if not kind.many:
+        return [f"{{{found[0]}}} names the items of a list, and this output is one {kind.base.name}"]
+    return [f"expected one {{input}} in a file's name, got {len(found)}"] if len(found) > 1 else []
 
 
 def _leaves_the_folder(file: str) -> bool:
