@@ -15,10 +15,13 @@ Words = list[str | float]
 Labels = Annotated[Words | None, Field(description="a line of text or a number below each picture")]
 Padding = Annotated[int, Field(ge=0, le=1000, description="pixels around each picture")]
 Background = Annotated[tuple[Level, Level, Level], Field(description="red, green and blue, 0 to 1")]
-FontSize = Annotated[int, Field(ge=6, le=200, description="height of the text in pixels")]
+FontSize = Annotated[
+    int | None, Field(ge=6, le=200, description="height of the text in pixels; default: by the widest picture")
+]
 Align = Annotated[Literal["centre", "top-left"], Field(description="where a picture smaller than its place sits")]
 
 _BEYOND_ASCII = "«»‘’“”±·"  # what Pillow's own font draws beside ASCII
+_TEXT = 14  # height of text under small pictures
 _GAP_SIDE = 96  # a gap with no picture to take its size from
 
 
@@ -33,7 +36,7 @@ def contact_sheet(
     padding: Padding = 8,
     background: Background = (1.0, 1.0, 1.0),
     align: Align = "centre",
-    font_size: FontSize = 14,
+    font_size: FontSize = None,
 ) -> Image:
     """Lay pictures of any sizes and channel counts out in rows, in order; pixels are copied, never resampled.
 
@@ -76,7 +79,8 @@ def contact_sheet(
     ):
         if given is not None and len(given) != count:
             raise ValueError(f"{name}: expected {count}, got {len(given)}")
-    style = Style(padding, background, align, font_size)
+    widest = max((image.shape[1] for image in images if not isinstance(image, Gap)), default=0)
+    style = Style(padding, background, align, font_size or min(max(_TEXT, widest // 40), 200))
     return lay_out(images, columns, _texts(labels), _texts(column_labels), _texts(row_labels), style)
 
 

@@ -87,6 +87,8 @@ def read_picture(
 ) -> Floats:
     """Do what `load_image` says, as a plain function."""
     found = decode(path)
+    if found.more:
+        warn(f"{path.name}: holds several pages or frames; the first is read")
     if encoding == "raw":
         picture, colours = to_floats(found.samples), found.colours
     else:

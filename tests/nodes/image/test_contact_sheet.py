@@ -142,3 +142,10 @@ def test_refuses():
         contact_sheet([image] * 3, columns=2, row_labels=["a", "b", "c"])
     with pytest.raises(ValueError, match="background"):
         contact_sheet([image], background=(2.0, 0.0, 0.0))
+
+
+def test_text_grows_with_large_pictures():
+    """A line takes one and a half times the text's height: 14 pixels, or a fortieth of the widest picture."""
+    for width, line in ((100, 21), (1000, 37)):
+        sheet = contact_sheet([np.zeros((1, width, 1), np.float32)], labels=["x"], padding=0)
+        assert sheet.shape == (1 + line, width, 3)

@@ -72,10 +72,19 @@ def test_one_bit(tmp_path, suffix):
     assert load(tmp_path / f"a.{suffix}")[..., 0].tolist() == [[1, 0, 1]]
 
 
-def test_gif_gives_its_first_frame(tmp_path):
+@pytest.mark.parametrize("suffix", ["gif", "tif", "webp"])
+def test_the_first_of_several_frames_or_pages_is_read_with_a_warning(tmp_path, suffix):
     frames = [Pictures.new("RGB", (3, 2), colour) for colour in ((255, 0, 0), (0, 255, 0))]
-    frames[0].save(tmp_path / "a.gif", save_all=True, append_images=frames[1:])
-    np.testing.assert_array_equal(load(tmp_path / "a.gif"), np.broadcast_to(np.float32([1, 0, 0]), (2, 3, 3)))
+    frames[0].save(tmp_path / f"a.{suffix}", save_all=True, append_images=frames[1:], lossless=True)
+    with pytest.warns(UserWarning, match="holds several pages or frames; the first is read"):
+        picture = load(tmp_path / f"a.{suffix}")
+    np.testing.assert_array_equal(picture, np.broadcast_to(np.float32([1, 0, 0]), (2, 3, 3)))
+
+
+def test_a_page_of_another_size_is_a_thumbnail_of_which_nothing_is_said(tmp_path):
+    large, small = (Pictures.new("RGB", size, (255, 0, 0)) for size in ((4, 2), (2, 1)))
+    large.save(tmp_path / "a.tif", save_all=True, append_images=[small])
+    assert load(tmp_path / "a.tif").shape == (2, 4, 3)
 
 
 def test_content_decides_not_the_suffix(tmp_path):

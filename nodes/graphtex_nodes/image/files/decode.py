@@ -38,6 +38,8 @@ class Decoded:
         The embedded ICC profile.
     foreign_primaries
         An EXR's chromaticities are not those of Rec. 709.
+    more
+        Another page, part or frame of the same size follows.
     """
 
     samples: NDArray[Any]
@@ -49,6 +51,7 @@ class Decoded:
     orientation: int = 1
     profile: bytes | None = None
     foreign_primaries: bool = False
+    more: bool = False
 
 
 def decode(path: Path) -> Decoded:
@@ -162,6 +165,7 @@ def _decode_pillow(path: Path, name: str) -> Decoded:
             cmyk = picture.mode == "CMYK"
             mode = "CMYK" if cmyk else ("L" if grey else "RGB") + ("A" if transparent else "")
             samples = np.array(picture.convert(mode))
+            more = getattr(picture, "n_frames", 1) > 1
     except _DAMAGED as error:
         if str(error).startswith(str(path)):
             raise
@@ -170,7 +174,7 @@ def _decode_pillow(path: Path, name: str) -> Decoded:
     if cmyk:
         return Decoded(samples, 4, cmyk=True, orientation=orientation, profile=profile)
     colours, alpha = _layout(samples.shape[2])
-    return Decoded(samples, colours, alpha, orientation=orientation, profile=profile)
+    return Decoded(samples, colours, alpha, orientation=orientation, profile=profile, more=more)
 
 
 def _decode_deep(path: Path, name: str) -> Decoded:
@@ -203,6 +207,7 @@ def _read_oiio(oiio: Any, path: Path, name: str, *, raw: bool) -> Decoded:
             samples = file.read_image(0, 0, 0, spec.nchannels, "unknown")
         if samples is None:
             raise ValueError(f"{path}: damaged or cut off: {_one_line(file.geterror())}")
+        more = file.seek_subimage(1, 0) and (file.spec().width, file.spec().height) == (spec.width, spec.height)
     finally:
         file.close()
     samples = samples.reshape(spec.height, spec.width, spec.nchannels)
@@ -223,6 +228,7 @@ def _read_oiio(oiio: Any, path: Path, name: str, *, raw: bool) -> Decoded:
         orientation=spec.get_int_attribute("Orientation", 1),
         profile=None if profile is None else bytes(np.asarray(profile, np.uint8)),
         foreign_primaries=_foreign(spec.getattribute("chromaticities")),
+        more=more,
     )
 
 
