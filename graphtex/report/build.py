@@ -3,11 +3,12 @@
 import os
 import platform
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from graphtex.document import REQUIRED
+from graphtex.document import REQUIRED, Document
 from graphtex.outputs import OutputError
 from graphtex.plan import PlannedOutput
 from graphtex.references import is_scalar
@@ -64,7 +65,7 @@ def report_html(
         heading(story.graph),
         _summary(story, seconds),
         _notes(story, warnings, album),
-        drawn(svg(story.graph, marks=story.marks()), "The graph, with what became of each node"),
+        drawn(svg(_as_run(story, inputs or {}), marks=story.marks()), "The graph, with what became of each node"),
         f'<section id="outputs"><h2>Outputs</h2><div class="outputs">{"".join(shown)}</div></section>' if shown else "",
         _inputs(story, inputs or {}),
         _contents(story),
@@ -186,21 +187,32 @@ def _file(file: Path, folder: Path | None) -> str:
     return f'<a href="{escape(quote(Path(near).as_posix()))}"><code>{escape(file)}</code></a>'
 
 
+def _values(story: Story, asked: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what each input was in this run; `REQUIRED` for arrays, of which nothing can be written."""
+    given = {slot.task.split("[")[0] for slot in story.result.plan.given}
+    values = {}
+    for name, kind in story.graph.inputs.items():
+        value = asked.get(name, kind.default)
+        written = f"${name}" not in given and (is_scalar(kind) or isinstance(value, str | list))
+        values[name] = value if written else REQUIRED
+    return values
+
+
+def _as_run(story: Story, asked: Mapping[str, Any]) -> Document:
+    """Return the graph with what was asked for in the place of its defaults."""
+    values = _values(story, asked)
+    inputs = {name: replace(kind, default=values[name]) for name, kind in story.graph.inputs.items()}
+    return replace(story.graph, inputs=inputs)
+
+
 def _inputs(story: Story, asked: Mapping[str, Any]) -> str:
     """Return the graph's inputs: what each was in this run, where that is known."""
     rows = []
+    values = _values(story, asked)
     for name, kind in story.graph.inputs.items():
-        group = story.groups.get(f"${name}")
-        value = asked.get(name, kind.default)
-        note = "" if name in asked or kind.default is REQUIRED else '<span class="dim">default</span>'
-        if value is REQUIRED:
-            shown = '<span class="dim">given</span>'
-        elif is_scalar(kind) or isinstance(value, str | list):
-            shown = code(brief(value, 200))
-        else:
-            shown = '<span class="dim">given</span>'
-        if f"${name}" in {slot.task.split("[")[0] for slot in story.result.plan.given}:
-            shown, note = '<span class="dim">given</span>', ""
+        group, known = story.groups.get(f"${name}"), values[name] is not REQUIRED
+        note = '<span class="dim">default</span>' if known and name not in asked else ""
+        shown = code(brief(values[name], 200)) if known else '<span class="dim">given</span>'
         title = f'<a href="#{group.anchor}">{escape(name)}</a>' if group else escape(name)
         rows.append((title, escape(kind.type), shown, note, escape(kind.description)))
     heads = ("Name", "Type", "Value", "", "What it is")

@@ -17,6 +17,8 @@ from graphtex.work import shape_of
 SIZE = 512  # longest side of a picture of a node that ran once
 _LISTED = 24  # tasks of a node that are listed; more are folded away
 _UNFOLDED = 2  # failed tasks of a node that are unfolded
+_DEFAULT = '<span class="dim">default</span>'
+_USUAL = 6  # parameters with their defaults that are not folded away
 
 
 def group_section(story: Story, album: Album, group: Group) -> str:
@@ -121,9 +123,7 @@ def _body(story: Story, album: Album, name: str, size: int) -> str:
             for key, slot in task.inputs.items()
         ]
         parts += ["<h3>Inputs</h3>", table(("Socket", "Type", "From"), sockets)]
-    rows = _parameters(story, task)
-    if rows:
-        parts += ["<h3>Parameters</h3>", table(("Name", "Value", "", "What it is"), rows)]
+    parts += _parameter_tables(_parameters(story, task))
     return "\n".join(filter(None, parts))
 
 
@@ -171,6 +171,20 @@ def _sources(story: Story, source: Slot | tuple[Slot, ...]) -> str:
     return folded([source_link(story, slot) for slot in source], 6, "items") or '<span class="dim">an empty list</span>'
 
 
+def _parameter_tables(rows: list[tuple[str, str, str, str]]) -> list[str]:
+    """Return the parameters as a table; many that have their defaults are folded away."""
+    if not rows:
+        return []
+    usual = [row for row in rows if row[2] == _DEFAULT]
+    shown = [row for row in rows if row not in usual] if len(usual) > _USUAL else rows
+    heads = ("Name", "Value", "", "What it is")
+    parts = ["<h3>Parameters</h3>", table(heads, shown) if shown else ""]
+    if len(usual) > _USUAL:
+        inside = table(heads, usual)
+        parts.append(f"<details><summary>{len(usual)} have their defaults</summary>{inside}</details>")
+    return parts
+
+
 def _parameters(story: Story, task: Task) -> list[tuple[str, str, str, str]]:
     rows = []
     for name, info in task.node.parameters.model_fields.items():
@@ -184,7 +198,7 @@ def _parameters(story: Story, task: Task) -> list[tuple[str, str, str, str]]:
             continue
         value = task.parameters[name]
         default = not info.is_required() and plain(info.get_default(call_default_factory=True)) == value
-        rows.append((escape(name), code(_written(value)), '<span class="dim">default</span>' if default else "", doc))
+        rows.append((escape(name), code(_written(value)), _DEFAULT if default else "", doc))
     return rows
 
 

@@ -19,6 +19,7 @@ from graphtex.plan import Slot
 from graphtex.report import report_html, write_report
 from graphtex.report.album import Album, size_for
 from graphtex.report.parts import owner
+from graphtex.report.tasks import _DEFAULT, _parameter_tables
 from graphtex.report.words import duration, tally
 from graphtex.run import run
 from graphtex.show.style import TYPE_COLOURS
@@ -342,6 +343,19 @@ def test_inputs_of_a_run():
     page = report_html(result, seconds=1, inputs={"amount": 0.75})
     told = plain(re.search(r'<section id="inputs">.*?</section>', page, re.DOTALL)[0])
     assert told == "Inputs Name Type Value What it is amount float 0.75 size int 4 default picture Image given"
+    drawing = plain(re.search(r"<svg.*?</svg>", page, re.DOTALL)[0])
+    assert "amount float 0.75" in drawing
+    assert "size int 4" in drawing
+    assert g.inputs["amount"].default == 0.5  # the graph itself is as it was
+
+
+def test_many_parameters_with_their_defaults_are_folded():
+    rows = [(f"p{i}", "1", _DEFAULT, "") for i in range(9)]
+    _, shown, hidden = _parameter_tables([*rows[:4], ("own", "2", "", ""), *rows[4:]])
+    assert plain(shown) == "Name Value What it is own 2"
+    assert "9 have their defaults" in plain(hidden)
+    assert plain("".join(_parameter_tables(rows[:6]))).startswith("Parameters Name Value What it is p0 1 default")
+    assert _parameter_tables([]) == []
 
 
 def test_large_pictures_are_reduced():
