@@ -9,9 +9,13 @@ from numpy.typing import NDArray
 from graphtex_nodes.numerics.local_spectra import LocalSpectra, local_spectra, to_plane_frequencies
 from graphtex_nodes.numerics.parallel import Work
 from graphtex_nodes.numerics.plane import Plane
+from graphtex_nodes.numerics.principal import principal_channels
 
 Array = NDArray[Any]
 
+SHORTEST = 48  # pixels: less holds no windows
+LARGEST = 384  # pixels of the shorter side that are looked at
+FAINTEST = 0.003  # variance of a colour component over that of the largest; less is noise
 BINS = 12  # of direction, over half a turn
 STEP = 0.15  # of log frequency between bins
 GAIN = 0.25  # how far the contrast of windows may differ, as a standard deviation of log power
@@ -42,6 +46,31 @@ class _Fit:
     first_row: int
     gains: Array
     scale: Array
+
+
+def picture_recession(image: Array, usable: Array | None, work: Work) -> Recession | None:
+    """How the plane recedes that a picture (h, w, c) of at least :data:`SHORTEST` pixels a side shows where ``usable``.
+
+    None if too little is usable; no recession where there is no contrast.
+    """
+    factor = -(-min(image.shape[:2]) // LARGEST)
+    colours = principal_channels(_reduced(image, factor), FAINTEST)
+    if colours[0].std() < 1e-6:
+        return Recession(0.0, 0.0, 0.0)
+    seen = None if usable is None else _reduced(usable[..., None].astype(np.float64), factor)[..., 0] > 0.5
+    # a few very bright or dark elements would be most of the power; what acts on single values keeps sizes
+    soft = np.tanh(2 * colours / colours.std(axis=(1, 2), keepdims=True))
+    soft = soft - soft.mean(axis=(1, 2), keepdims=True)
+    found = receding_plane(soft / soft.std(axis=(1, 2), keepdims=True), seen, work)
+    return found and Recession(found.right / factor, found.down / factor, found.confidence)
+
+
+def _reduced(values: Array, factor: int) -> Array:
+    """Means of factor x factor pixels; what is left over at the right and the bottom is not used."""
+    height, width = (side // factor for side in values.shape[:2])
+    parts = values[: height * factor, : width * factor].reshape(height, factor, width, factor, -1)
+    means: Array = parts.mean(axis=(1, 3), dtype=np.float64)
+    return means
 
 
 def receding_plane(channels: Array, usable: Array | None, work: Work) -> Recession | None:

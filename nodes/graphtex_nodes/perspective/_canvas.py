@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex_nodes.numerics import hole_pieces, levels, seams
-from graphtex_nodes.numerics.horizon import refined
 from graphtex_nodes.numerics.move_search import Level
 from graphtex_nodes.numerics.parallel import Portion, Work
 from graphtex_nodes.numerics.plane_moves import Slope
@@ -22,8 +21,8 @@ Box = tuple[slice, slice]
 
 TELLING = 0.2
 """Spread of log scale from which the scale counts fully."""
-LOOKED_AT, MATCHED = 50_000, 150_000
-"""Pixels of the reduced picture in which the vanishing line, and moves, are looked for."""
+MATCHED = 150_000
+"""Pixels of the reduced picture in which moves are looked for."""
 LOG = 3
 """Column of a source map: log2 of the resampling."""
 
@@ -55,16 +54,7 @@ class Canvas:
     def measure_scale(self, part: Array, box: Box, harmonic: bool, work: Work) -> None:
         """Scales in a box from the picture there."""
         level = self.level(part, box)
-        scale = hole_scale.measured_scale(level.picture, self.hole[box], harmonic, work)
-        slope = hole_scale.slope_of(scale, level.hole)
-        if not harmonic and not slope.flat:
-            smaller = hole_pieces.halvings(level, LOOKED_AT)
-            count = len(smaller) - 1
-            slope = refined(slope.halved(count), smaller[-1], work).halved(-count)
-            row, column = round(slope.row), round(slope.column)
-            rows, columns = np.ogrid[: scale.shape[0], : scale.shape[1]]
-            scale = scale[row, column] * slope.scale(rows, columns)
-        self.scales[box] = np.clip(scale, 1 / 8, 8)
+        self.scales[box] = hole_scale.measured_scale(level.picture, self.hole[box], harmonic, work)
 
     def put_pieces(self, part: Array, box: Box, scaled: bool, work: Work) -> Array:
         """Fill a part with pieces; what is left of it (h, w)."""

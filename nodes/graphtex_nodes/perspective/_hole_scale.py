@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from graphtex import Context
 from graphtex_nodes.numerics.continuation import continued, fitted_plane
+from graphtex_nodes.numerics.homogeneity import SHORTEST, picture_recession
 from graphtex_nodes.numerics.parallel import Work
 from graphtex_nodes.numerics.plane_moves import Slope
 from graphtex_nodes.perspective.feature_mask import feature_mask
@@ -16,30 +17,51 @@ Array = NDArray[Any]
 
 EDGE = 4  # pixels around the hole where it makes false features
 SEEN = 0.25  # share of a window that must be known for its density to count
+DOUBTFUL = 0.3  # share of the variance of log scale that a plane must explain
+FITTED = 64  # rows or columns of a map that suffice to fit a plane
 STEEP = 0.05  # change of scale over the picture below which it counts as flat
 
 
 def continued_scale(scale: Array, hole: Array, harmonic: bool, work: Work) -> Array:
     """A scale map (h, w) with values in the hole too: on a plane fitted to the others, or harmonic."""
-    return np.clip(continued(scale, ~hole, harmonic, work), 1 / 8, 8)
+    return _bounded(continued(scale, ~hole, harmonic, work))
 
 
 def measured_scale(photo: Array, hole: Array, harmonic: bool, work: Work) -> Array:
-    """Scale map (h, w) of a photo by the density of features outside the hole; 1 where nothing can be told."""
+    """Scale map (h, w) of a photo from what is seen outside the hole; 1 where nothing can be told.
+
+    The plane on which the texture is the same everywhere (as in `EstimateAngles`); or, ``harmonic`` or where too little
+    is seen for that, the density of features, smooth or on a plane.
+    """
+    found = None
+    if not harmonic and min(hole.shape) >= SHORTEST:
+        found = picture_recession(photo, ~hole, work)
+    if found is not None:
+        if found.confidence < DOUBTFUL:
+            return np.ones(hole.shape, np.float32)
+        height, width = hole.shape
+        rows, columns = np.ogrid[:height, :width]
+        return _bounded(1 - found.down * (rows - (height - 1) / 2) - found.right * (columns - (width - 1) / 2))
     measured, seen = _densities(photo, hole)
     if not seen.any():
         return np.ones(hole.shape, np.float32)
-    found = continued(measured, seen, True, work) if harmonic else fitted_plane(measured, seen)
-    return np.clip(found, 1 / 8, 8).astype(np.float32)
+    return _bounded(continued(measured, seen, True, work) if harmonic else fitted_plane(measured, seen))
+
+
+def _bounded(scale: Array) -> Array:
+    """A scale map within its range."""
+    return np.clip(scale, 1 / 8, 8).astype(np.float32)
 
 
 def slope_of(scale: Array, hole: Array) -> Slope:
     """How a scale map (h, w) changes around the middle of a hole, as that of a plane."""
     row, column = (float(x) for x in np.argwhere(hole).mean(axis=0))
-    plane = fitted_plane(scale, np.ones(scale.shape, bool))
-    down = float(plane[-1, 0] - plane[0, 0]) / max(1, scale.shape[0] - 1)
-    right = float(plane[0, -1] - plane[0, 0]) / max(1, scale.shape[1] - 1)
-    here = float(plane[round(row), round(column)])
+    step = max(1, max(scale.shape) // FITTED)
+    part = scale[::step, ::step]
+    plane = fitted_plane(part, np.ones(part.shape, bool))
+    down = float(plane[-1, 0] - plane[0, 0]) / max(1, part.shape[0] - 1) / step
+    right = float(plane[0, -1] - plane[0, 0]) / max(1, part.shape[1] - 1) / step
+    here = float(plane[0, 0]) + down * row + right * column
     if abs(down) * scale.shape[0] + abs(right) * scale.shape[1] < STEEP * abs(here) or here <= 0:
         return Slope(row, column)
     return Slope(row, column, down / here, right / here)

@@ -72,11 +72,9 @@ def complete(
     hole
         (h, w), True where to fill. Any shape and any number of parts, also at the border.
     scale
-        Texel scale of the photo, as `FeatureScale` or `ScaleFromAngles` give it. Without one it is measured: density of
-        features (`FeatureMask`, equation 1) in what is known of the surroundings, to which a plane is fitted, since the
-        scale of a plane is linear in its picture. Density tells little about where the plane's vanishing line lies, so
-        with ``plane`` it is moved to where the surroundings fit themselves best, if that makes a clear difference (it
-        does where texture is regular).
+        Texel scale of the photo, as `FeatureScale` or `ScaleFromAngles` give it. Without one it is measured in what is
+        known of the surroundings: the plane on which their texture is the same everywhere, as `EstimateAngles` finds
+        it, flat if there is none; with ``harmonic`` by the density of features (`FeatureMask`, equation 1).
     source
         (h, w), True where texture may be taken from. Without it from the surroundings of the hole.
     continuation

@@ -8,14 +8,11 @@ from pydantic import Field
 
 from graphtex import QUIET, Axes, Context, Image, Mask, Number, ScaleMap, node
 from graphtex_nodes.numerics.plane import slant_of
-from graphtex_nodes.numerics.principal import principal_channels
 
 Array = NDArray[Any]
 View = Annotated[float, Field(gt=0, lt=180, description="camera's angle of view over the longer side, degrees")]
 
-SHORTEST = 48  # pixels: less holds no windows
-LARGEST = 384  # pixels of the shorter side that are looked at
-FAINTEST = 0.003  # variance of a colour component over that of the largest; less is noise
+LARGEST = 384  # pixels of a map's longer side that are looked at
 DOUBTFUL = 0.3
 TELLING = 0.01  # standard deviation of log scale; less is rounding
 STEEPEST = 0.95  # loss of scale from the centre to the far end of the tilt; the horizon is at 1
@@ -138,30 +135,14 @@ def _from_scale(scale: Array, usable: Array | None) -> tuple[float, float, float
 
 def _from_image(image: Array, usable: Array | None, ctx: Context) -> tuple[float, float, float]:
     """The same from the picture's local spectra."""
-    from graphtex_nodes.numerics.homogeneity import receding_plane
+    from graphtex_nodes.numerics.homogeneity import SHORTEST, picture_recession
 
     if min(image.shape[:2]) < SHORTEST:
         raise ValueError(f"image: expected at least {SHORTEST} pixels a side, got {image.shape[1]} x {image.shape[0]}")
-    factor = -(-min(image.shape[:2]) // LARGEST)
-    colours = principal_channels(_reduced(image, factor), FAINTEST)
-    if colours[0].std() < 1e-6:
-        return 0.0, 0.0, 0.0
-    seen = None if usable is None else _reduced(usable[..., None].astype(np.float64), factor)[..., 0] > 0.5
-    # a few very bright or dark elements would be most of the power; what acts on single values keeps sizes
-    soft = np.tanh(2 * colours / colours.std(axis=(1, 2), keepdims=True))
-    soft = soft - soft.mean(axis=(1, 2), keepdims=True)
-    found = receding_plane(soft / soft.std(axis=(1, 2), keepdims=True), seen, ctx)
+    found = picture_recession(image, usable, ctx)
     if found is None:
         raise ValueError(
             f"usable: expected room for at least 6 windows of {min(image.shape[:2]) // 4} pixels a side, "
             f"got {0 if usable is None else int(usable.sum())} pixels (True) in shape {image.shape[:2]}"
         )
-    return found.right / factor, found.down / factor, found.confidence
-
-
-def _reduced(values: Array, factor: int) -> Array:
-    """Means of factor x factor pixels; what is left over at the right and the bottom is not used."""
-    height, width = (side // factor for side in values.shape[:2])
-    parts = values[: height * factor, : width * factor].reshape(height, factor, width, factor, -1)
-    means: Array = parts.mean(axis=(1, 3), dtype=np.float64)
-    return means
+    return found.right, found.down, found.confidence

@@ -1,10 +1,6 @@
 import numpy as np
-import pytest
 
 from graphtex import Context
-from graphtex_nodes.image.exemplars.bricks import bricks
-from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
-from graphtex_nodes.numerics.horizon import refined
 from graphtex_nodes.numerics.move_search import Level, anchors, fits, laid_flat
 from graphtex_nodes.numerics.plane_moves import Move, Slope, Views
 
@@ -67,12 +63,6 @@ def level_of(picture, radius):
     return Level(np.where(hole[..., None], picture[~hole].mean(axis=0), picture).astype(np.float32), ~hole, hole)
 
 
-def true_slope(scale, row, column):
-    down, right = np.gradient(scale.astype(np.float64))
-    here = float(scale[row, column])
-    return Slope(float(row), float(column), float(down.mean()) / here, float(right.mean()) / here)
-
-
 def test_shift_of_a_periodic_picture_is_found():
     """All moves that fit are multiples of its periods, and fit exactly."""
     tile = np.random.default_rng(1).random((12, 15, 2)).astype(np.float32)
@@ -83,20 +73,3 @@ def test_shift_of_a_periodic_picture_is_found():
     for fit in found:
         assert fit.move.down % 12 == fit.move.right % 15 == 0
         assert fit.cost < 1e-6
-
-
-@pytest.mark.parametrize(("kind", "off"), [(woven_cloth, 0.6), (bricks, 1.5)])
-def test_vanishing_line_is_found_from_the_texture(kind, off):
-    """From a steepness that is off by half or more to within a tenth."""
-    made = kind(width=160, height=160, size=14.0, slant=55.0, rng=0)
-    truth = true_slope(made.scale, 90, 80)
-    given = Slope(90.0, 80.0, truth.down * off, truth.right * off)
-    found = refined(given, level_of(np.array(made.image), 24), Context())
-    assert found.down == pytest.approx(truth.down, rel=0.1)
-    assert abs(found.right) < 0.1 * abs(truth.down)
-
-
-def test_slope_of_a_texture_without_order_is_kept():
-    noise = np.random.default_rng(5).random((160, 160, 1)).astype(np.float32)
-    given = Slope(90.0, 80.0, 0.003)
-    assert refined(given, level_of(noise, 24), Context()) == given
