@@ -7,6 +7,7 @@ import functools
 import inspect
 import json
 import math
+import re
 import types
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -220,7 +221,7 @@ def _message(model: type[BaseModel], fault: Any) -> str:
     text = fault["msg"][0].lower() + fault["msg"][1:]
     text = text.replace("input should be", "should be").replace("value error, ", "")
     for theirs, ours in _WORDS:
-        text = text.replace(theirs, ours)
+        text = re.sub(theirs, ours, text)
     if kind == "literal_error":
         return f"should be {_choice(fault['ctx']['expected'], got)}"
     if kind == "union_tag_invalid":
@@ -232,7 +233,12 @@ def _message(model: type[BaseModel], fault: Any) -> str:
     return f"{text}, got {shorten(got)}"
 
 
-_WORDS = (("a valid array", "a list"), ("an object", "a mapping"), ("a valid boolean", "true or false"))
+_WORDS = (
+    ("a valid array", "a list"),
+    ("an object", "a mapping"),
+    ("a valid boolean", "true or false"),
+    (r"^list (should have .*) after validation, not \d+$", r"\1"),
+)
 
 
 def _choice(expected: str, got: Any) -> str:

@@ -84,12 +84,16 @@ def test_faults_are_placed_within_the_value(hint, value, place):
         ({"edits": [{}]}, "'do' is required, got {}"),
         ({"edits": [3]}, "should be a mapping, got 3"),
         ({"edits": "grow"}, "should be a list, got 'grow'"),
+        ({"columns": []}, "should have at least 1 item, got []"),
+        ({"columns": [1, 2, 3]}, "should have at most 2 items, got [1, 2, 3]"),
         ({"closed": 1}, "should be true or false, got 1"),
     ],
 )
 def test_what_would_fit_is_said_in_the_words_of_a_graph_file(given, told):
     edit = Annotated[Grow | Shrink, Field(discriminator="do")]
-    assert [text for _, text in validate(model_of(edits=(list[edit], []), closed=(bool, True)), given)[1]] == [told]
+    columns = Annotated[list[int], Field(min_length=1, max_length=2)]
+    model = model_of(edits=(list[edit], []), closed=(bool, True), columns=(columns, [1]))
+    assert [text for _, text in validate(model, given)[1]] == [told]
 
 
 def test_all_faults_are_told_at_once_with_unknown_and_missing_names():

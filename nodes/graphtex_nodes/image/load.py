@@ -159,9 +159,8 @@ def _finite(path: Path, picture: Floats, nonfinite: NonFinite) -> Floats:
     if not bad.any():
         return picture
     if nonfinite == "refuse":
-        raise ValueError(
-            f"{path}: {np.count_nonzero(bad)} of {bad.size} samples are NaN or infinite; nonfinite: zero sets them to 0"
-        )
+        found = f"{np.count_nonzero(bad)} of {bad.size} samples are NaN or infinite"
+        raise ValueError(f"{path}: {found}; LoadImage with `nonfinite: zero` sets them to 0")
     return np.where(bad, np.float32(0), picture)
 
 

@@ -81,7 +81,7 @@ def test_a_huge_file_is_not_read_to_its_end(tmp_path):
 
 def test_a_picture_is_no_graph(tmp_path):
     (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR")
-    assert "not UTF-8" in only_problem(tmp_path / "a.png").message
+    assert "a picture is given to one of its inputs" in only_problem(tmp_path / "a.png").message
 
 
 def test_saving_replaces_at_once_and_keeps_mode_and_link(tmp_path):
