@@ -12,6 +12,7 @@ from scipy.stats import spearmanr
 
 from benchmarks import marked
 from benchmarks.figures import Figure
+from benchmarks.wholeness import cores, cut_share
 from graphtex_nodes import (
     bricks,
     contact_sheet,
@@ -38,6 +39,7 @@ SYNTHESISED: dict[str, tuple[Any, float]] = {
     "cloth": (woven_cloth, 0.0),
     "bricks": (bricks, 90.0),
 }
+ASPECTS = {"pebbles": 1.0, "bricks": 3.0, "flowers": 1.0}  # width over height of an element, at tilt 0
 POSES = [(30.0, 0.0), (38.0, 60.0), (45.0, 20.0), (45.0, 135.0), (50.0, -40.0), (55.0, 90.0), (60.0, 0.0)]
 VIEW = 45.0  # of the generated exemplars
 SEEDS = (20, 21, 22)
@@ -64,6 +66,8 @@ def figures(pictures: Path | None, textures: Path | None = None) -> Iterator[Fig
         yield from marked.figures(pictures, textures)
     for name, (kind, tilt) in SYNTHESISED.items():
         yield from synthesis(name, [plane(kind, tilt, seed) for seed in SEEDS], pictures)
+    for name, aspect in ASPECTS.items():
+        yield from wholeness(name, aspect)
     yield from free_scale([plane(pebbles, 0.0, seed) for seed in SEEDS], pictures)
 
 
@@ -121,6 +125,30 @@ def synthesis(name: str, planes: list[Plane], pictures: Path | None) -> Iterator
     yield Figure(f"{name}: patch distance x 100", mean(distances), "", mean(others))
     shown = {"exemplar": planes[0].image, "result": guided[0].image, "plain": plain[0].image}
     write(shown, pictures, f"perspective-{name}.png")
+
+
+def wholeness(name: str, aspect: float) -> Iterator[Figure]:
+    """Share of elements that are cut, beside that of squares of 16 pixels put where the scale is right."""
+    shares, others = [], []
+    for seed in SEEDS:
+        made = KINDS[name](slant=SLANT, tilt=0.0, rng=seed)
+        exemplar = plane(KINDS[name], 0.0, seed)
+        elements = cores(made, SLANT, 0.0, VIEW, aspect)
+        source = optimize(exemplar.image, exemplar.found, exemplar.wanted, rng=seed).source
+        shares.append(cut_share(source[..., 1:3], elements))
+        others.append(cut_share(squares(exemplar, seed), elements))
+    yield Figure(f"{name}: share of elements that are cut (reference: squares)", mean(shares), "<= 0.5", mean(others))
+
+
+def squares(exemplar: Plane, seed: int) -> Array:
+    """Source map (h, w, 2) of squares of 16 pixels from random places of the row whose true scale is wanted."""
+    rng = np.random.default_rng(seed)
+    height, width = exemplar.scale.shape
+    rows, columns = np.mgrid[:OUTPUT, :OUTPUT]
+    wanted, scale = exemplar.truth[8::16, 8], exemplar.scale[:, width // 2]
+    nearest = np.abs(scale[:, None] - wanted).argmin(axis=0).clip(8, height - 8) - 8
+    right = rng.integers(0, width - 15, (OUTPUT // 16, OUTPUT // 16))
+    return np.stack([nearest[rows // 16] + rows % 16, right[rows // 16, columns // 16] + columns % 16], axis=-1)
 
 
 def free_scale(planes: list[Plane], pictures: Path | None) -> Iterator[Figure]:

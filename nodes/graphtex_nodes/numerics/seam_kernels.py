@@ -3,41 +3,9 @@
 # mypy: allow-untyped-defs
 
 import numpy as np
-from numba import njit
 
+from graphtex_nodes.numerics.cut_kernels import copied, seam, unlike
 from graphtex_nodes.numerics.jit import kernel
-
-OUTSIDE = np.float32(1e6)
-"""Cost of a source that falls outside the exemplar: above any sum of squared colour differences in use."""
-
-
-@njit(inline="always", fastmath={"contract"})
-def mismatch(exemplar, usable, first_y, first_x, second_y, second_x):
-    """Squared difference of two exemplar pixels; :data:`OUTSIDE` where one of them cannot be used."""
-    height, width = usable.shape
-    if first_y < 0 or first_y >= height or first_x < 0 or first_x >= width:
-        return OUTSIDE
-    if second_y < 0 or second_y >= height or second_x < 0 or second_x >= width:
-        return OUTSIDE
-    if not usable[first_y, first_x] or not usable[second_y, second_x]:
-        return OUTSIDE
-    total = np.float32(0)
-    for c in range(exemplar.shape[2]):
-        difference = exemplar[first_y, first_x, c] - exemplar[second_y, second_x, c]
-        total += difference * difference
-    return total
-
-
-@njit(inline="always", fastmath={"contract"})
-def apart(exemplar, usable, y, x, colour):
-    """Squared difference of an exemplar pixel from a colour; :data:`OUTSIDE` where it cannot be used."""
-    if y < 0 or y >= usable.shape[0] or x < 0 or x >= usable.shape[1] or not usable[y, x]:
-        return OUTSIDE
-    total = np.float32(0)
-    for c in range(exemplar.shape[2]):
-        difference = exemplar[y, x, c] - colour[c]
-        total += difference * difference
-    return total
 
 
 @kernel("const i4[:,:,:], u1[:,:], i8, i8")
@@ -64,19 +32,20 @@ def mark_seams(source, flags, first, stop):
 
 
 @kernel(
-    "const f4[:,:,:], const u1[:,:], const f4[:,:,:], i4[:,:,:], u1[:,:], f4, f4, i8, i8, i8",
+    "const f4[:,:,:], const u1[:,:], const f4[:,:,:], i4[:,:,:], u1[:,:], const f4[:], f4, f4, i8, i8, i8",
     fastmath={"contract"},
 )
-def move_seams(exemplar, usable, image, source, changed, pull, join, parity, first, stop):
+def move_seams(exemplar, usable, image, source, changed, pull, join, busy, parity, first, stop):
     """Let each pixel of one chequerboard colour take over the piece of one of its four neighbours if that costs less.
 
-    The cost of a source is ``pull`` times its squared difference from ``image`` plus, for each neighbour of another
-    piece, the squared colour differences of both pieces at both pixels (Kwatra et al. 2003, eq. 1) and ``join``.
+    The cost of a source is its squared difference from ``image``, with weights ``pull`` (c,), plus that of a seam to
+    each neighbour of another piece.
     Neighbours have the other colour of the chequerboard: nothing that is read is written in the same pass.
     A negative source marks a known pixel, which stays as ``image`` has it: beside it a piece pays for how its own
     continuation differs there. Only pixels are looked at that ``changed`` (h, w) marks: those with a neighbour that
     moved since they were looked at last.
     """
+    even = np.ones(exemplar.shape[2], np.float32)
     height, width = source.shape[0], source.shape[1]
     for y in range(first, stop):
         for x in range((y + parity) % 2, width, 2):
@@ -104,12 +73,9 @@ def move_seams(exemplar, usable, image, source, changed, pull, join, parity, fir
                     cx = source[y + down, x + right, 1] - right
                     if cy == here_y and cx == here_x:
                         continue
-                    if cy < 0 or cy >= usable.shape[0] or cx < 0 or cx >= usable.shape[1] or not usable[cy, cx]:
+                    if not copied(usable, cy, cx):
                         continue
-                cost = np.float32(0)
-                for c in range(image.shape[2]):
-                    difference = image[y, x, c] - exemplar[cy, cx, c]
-                    cost += pull * difference * difference
+                cost = unlike(exemplar, usable, image, y, x, cy, cx, pull)
                 for side in range(4):
                     down = (side == 0) - (side == 1)
                     right = (side == 2) - (side == 3)
@@ -118,12 +84,11 @@ def move_seams(exemplar, usable, image, source, changed, pull, join, parity, fir
                     ny = source[y + down, x + right, 0]
                     nx = source[y + down, x + right, 1]
                     if ny < 0:
-                        cost += join + 2 * apart(exemplar, usable, cy + down, cx + right, image[y + down, x + right])
-                        continue
-                    if ny == cy + down and nx == cx + right:
-                        continue
-                    cost += join + mismatch(exemplar, usable, cy, cx, ny - down, nx - right)
-                    cost += mismatch(exemplar, usable, cy + down, cx + right, ny, nx)
+                        ey, ex = cy + down, cx + right
+                        cost += join + 2 * unlike(exemplar, usable, image, y + down, x + right, ey, ex, even)
+                    elif ny != cy + down or nx != cx + right:
+                        ny, nx = ny - down - y, nx - right - x
+                        cost += seam(exemplar, usable, y, x, down, right, cy - y, cx - x, ny, nx, join, busy)
                 if choice == 0 or cost < best:
                     best = cost
                     best_y = cy
@@ -177,7 +142,7 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
                         continue
                     ey = source[y + down, x + right, 0] - down
                     ex = source[y + down, x + right, 1] - right
-                    if ey < 0 or ey >= usable.shape[0] or ex < 0 or ex >= usable.shape[1] or not usable[ey, ex]:
+                    if not copied(usable, ey, ex):
                         continue
                     weight = falloff[down + radius, right + radius]
                     mixed_pieces |= ey != here_y or ex != here_x

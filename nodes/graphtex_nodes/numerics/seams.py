@@ -6,26 +6,30 @@ from numpy.typing import NDArray
 from graphtex_nodes.numerics import membrane, seam_kernels
 from graphtex_nodes.numerics.parallel import Work, for_rows
 from graphtex_nodes.numerics.problem import Problem, Result
+from graphtex_nodes.numerics.recut import Costs, recut
 from graphtex_nodes.numerics.seam_neighbours import RADIUS
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 
-
-PULL, JOIN = 0.2, 0.02
-"""Cost of leaving the wanted image, and of a pair of pixels across a seam in units of the exemplar's variance."""
+PULL, JOIN, BUSY = 0.05, 0.1, 0.3
+"""See :class:`Costs`; the latter two in units of the exemplar's variance."""
+GUIDED_PULL, GUIDE_PULL = 0.02, 1.0
+"""With a guide, of colours and of the guide itself: where scales change, the wanted image is a mean of elements that do
+not fit each other, and their scales are all that it tells."""
 PASSES = 10
 
 
 def finish(problem: Problem, result: Result, *, fade: bool, work: Work) -> tuple[Array, Field]:
-    """Image (h, w, c) and source (h, w, 2) of a synthesis: seams moved, and softened if ``fade``.
+    """Image (h, w, c) and source (h, w, 2) of a synthesis: pieces cut anew, their seams softened if ``fade``.
 
     Known pixels are those of the start and have negative sources; with ``fade`` pieces are bent to meet them.
     """
+    colours = problem.exemplar.shape[2]
     exemplar = np.ascontiguousarray(problem.channels)
     may = np.ones(exemplar.shape[:2], bool) if problem.usable is None else problem.usable
     usable = np.ascontiguousarray(may).view(np.uint8)
-    variance = float(np.var(problem.exemplar[may], axis=0, dtype=np.float64).sum())
+    variance = float(np.var(problem.exemplar[may], axis=0, dtype=np.float64).sum()) or 1.0
     # an output that wraps around sees the other side as far as a seam can move
     reach = [(2 * PASSES + 2 * RADIUS) * around for around in problem.wrap]
     rows, columns = (
@@ -33,12 +37,12 @@ def finish(problem: Problem, result: Result, *, fade: bool, work: Work) -> tuple
     )  # fmt: skip
     around = np.ix_(rows, columns)
     inside = tuple(slice(more, more + side) for side, more in zip(problem.size, reach, strict=True))
-    source = move_seams(
-        exemplar, usable, result.image[around], result.source[around], pull=PULL, join=JOIN * variance, passes=PASSES,
-        work=work,
-    )[inside]  # fmt: skip
+    pull = np.full(exemplar.shape[2], PULL if problem.guide is None else GUIDED_PULL, np.float32)
+    pull[colours:] = GUIDE_PULL
+    costs = Costs(pull, JOIN * variance, BUSY * variance)
+    source = recut(exemplar, usable, result.image, result.source, costs, work, problem.wrap)
+    source = move_seams(exemplar, usable, result.image[around], source[around], costs, PASSES, work)[inside]
     if fade:
-        colours = problem.exemplar.shape[2]
         image = fade_seams(exemplar, usable, source[around], radius=RADIUS, channels=colours, work=work)[inside]
     else:
         image = problem.exemplar[source[..., 0], source[..., 1]]
@@ -51,9 +55,8 @@ def finish(problem: Problem, result: Result, *, fade: bool, work: Work) -> tuple
 
 
 def move_seams(
-    exemplar: Array, usable: NDArray[np.uint8], image: Array, source: Field, *, pull: float, join: float, passes: int,
-    work: Work,
-) -> Field:  # fmt: skip
+    exemplar: Array, usable: NDArray[np.uint8], image: Array, source: Field, costs: Costs, passes: int, work: Work
+) -> Field:
     """Source map (h, w, 2) whose seams have moved to where the pieces agree.
 
     Parameters
@@ -61,9 +64,7 @@ def move_seams(
     exemplar
         Shape (h, w, c); ``usable`` (h, w) is 0 where a pixel must not be copied.
     image
-        What the output should look like, with the exemplar's channels: ``pull`` weighs its squared differences.
-    join
-        Cost of each pair of neighbouring pixels from different pieces, beside their colour differences.
+        What the output should look like, with the exemplar's channels.
     passes
         A seam moves at most two pixels in a pass.
 
@@ -71,14 +72,13 @@ def move_seams(
     differs from ``image`` there.
     """
     source, image = source.copy(), np.ascontiguousarray(image)
+    weights = costs.pull, np.float32(costs.join), np.float32(costs.busy)
     changed = seam_pixels(source, work)
     for _ in range(passes):
         for parity in (0, 1):
 
             def band(first: int, stop: int, parity: int = parity) -> None:
-                seam_kernels.move_seams(
-                    exemplar, usable, image, source, changed, np.float32(pull), np.float32(join), parity, first, stop
-                )
+                seam_kernels.move_seams(exemplar, usable, image, source, changed, *weights, parity, first, stop)
 
             for_rows(band, source.shape[0], source.shape[1] * 20, work)
     return source

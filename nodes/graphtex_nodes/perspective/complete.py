@@ -120,7 +120,7 @@ def complete(
     if hole.any() and not usable.any():
         raise ValueError(f"source: expected some pixels outside the hole, got none in shape {hole.shape}")
 
-    announce(ctx, "window_kernels", "search_kernels", "vote_kernels", "seam_kernels")
+    announce(ctx, "window_kernels", "search_kernels", "vote_kernels", "cut_kernels", "seam_kernels")
     from graphtex_nodes.numerics.problem import Settings
     from graphtex_nodes.perspective._canvas import Canvas
 

@@ -1,6 +1,7 @@
 import numpy as np
 
 from graphtex import Context
+from graphtex_nodes.numerics.recut import Costs
 from graphtex_nodes.numerics.seams import fade_seams, move_seams
 from graphtex_nodes.numerics.sources import coherence
 
@@ -25,7 +26,7 @@ def test_seam_moves_to_where_the_pieces_agree():
     exemplar = exemplar_that_agrees_at(9)
     source = two_pieces(8)
     image = np.zeros((12, 20, 3), np.float32)
-    moved = move_seams(exemplar, USABLE, image, source, pull=0.0, join=0.01, passes=4, work=Context())
+    moved = move_seams(exemplar, USABLE, image, source, Costs(np.zeros(3, np.float32), 0.01, 1.0), 4, Context())
     np.testing.assert_array_equal(moved, two_pieces(9))
     np.testing.assert_array_equal(source, two_pieces(8))
 
@@ -33,9 +34,8 @@ def test_seam_moves_to_where_the_pieces_agree():
 def test_a_piece_that_fits_stays_whole():
     exemplar = RNG.random((12, 60, 3)).astype(np.float32)
     whole = two_pieces(20)
-    moved = move_seams(
-        exemplar, USABLE, np.zeros((12, 20, 3), np.float32), whole, pull=1.0, join=0.0, passes=3, work=Context()
-    )
+    image = np.zeros((12, 20, 3), np.float32)
+    moved = move_seams(exemplar, USABLE, image, whole, Costs(np.ones(3, np.float32), 0.0, 1.0), 3, Context())
     np.testing.assert_array_equal(moved, whole)
 
 
@@ -44,8 +44,8 @@ def test_lone_pixel_is_absorbed():
     source = two_pieces(20)
     source[5, 6] = 3, 50
     moved = move_seams(
-        exemplar, USABLE, exemplar[:, :20], source, pull=0.1, join=0.1, passes=1, work=Context()
-    )  # fmt: skip
+        exemplar, USABLE, exemplar[:, :20], source, Costs(np.full(3, 0.1, np.float32), 0.1, 1.0), 1, Context()
+    )
     assert coherence(moved) == 1
 
 
@@ -53,9 +53,8 @@ def test_unusable_pixels_are_not_taken():
     exemplar = np.zeros((12, 60, 3), np.float32)
     usable = USABLE.copy()
     usable[:, 8:20] = 0
-    moved = move_seams(
-        exemplar, usable, np.zeros((12, 20, 3), np.float32), two_pieces(8), pull=0, join=1, passes=9, work=Context()
-    )
+    image = np.zeros((12, 20, 3), np.float32)
+    moved = move_seams(exemplar, usable, image, two_pieces(8), Costs(np.zeros(3, np.float32), 1, 1), 9, Context())
     assert usable[moved[..., 0], moved[..., 1]].all()
 
 

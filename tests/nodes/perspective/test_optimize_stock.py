@@ -49,7 +49,9 @@ def test_each_exemplar_serves_the_scales_that_it_has():
 def test_masks_of_further_exemplars():
     usable = np.zeros((33, 20), bool)
     usable[:, 10:] = True
-    result = optimize(NOISE, more=[OTHER, OTHER], more_usable=[usable, ~usable], vote="discrete", ctx=QUIET)
+    result = optimize(
+        NOISE, width=160, height=120, more=[OTHER, OTHER], more_usable=[usable, ~usable], vote="discrete", ctx=QUIET
+    )
     index, column = result.source[..., 0], result.source[..., 2]
     assert (column[index == 1] >= 10).all()
     assert (column[index == 2] < 10).all()
@@ -70,7 +72,7 @@ def test_copies_of_an_exemplar_are_one_exemplar():
     """Cut in two, stones give a picture like that of the whole."""
     stones = np.array(pebbles(width=96, height=96, size=9.0, rng=3).image)
     result = optimize(stones[:, :48].copy(), width=96, height=96, more=[stones[:, 48:].copy()], ctx=QUIET)
-    assert 0.3 < np.mean(result.source[..., 0]) < 0.7
+    assert 0.25 < np.mean(result.source[..., 0]) < 0.75
     assert result.coverage > 0.45  # of as many pixels as the output has
 
 

@@ -1,0 +1,200 @@
+"""Large pieces that take over the scraps between them, with seams along minimum cuts (Kwatra et al. 2003)."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex_nodes.numerics import cut_kernels
+from graphtex_nodes.numerics.parallel import Work
+
+Array = NDArray[np.float32]
+Field = NDArray[np.int32]
+Flags = NDArray[np.bool_]
+
+SIDES = ((4, 2, 40), (2, 1, 6))
+"""Blocks: their side, every how many pixels costs are looked at, and how far a piece may grow; all in pixels."""
+LEAST = 400
+"""Pixels of a piece from which it may grow: smaller ones are scraps, which are there to be taken over."""
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What a source map costs, in units of squared differences of colour.
+
+    Attributes
+    ----------
+    pull
+        Weights (c,) of squared differences from the wanted image.
+    join
+        Cost of each pair of neighbouring pixels from different pieces, beside their differences.
+    busy
+        Squared difference of neighbouring pixels in a piece at which a seam shows half as much as on plain ground.
+    """
+
+    pull: Array
+    join: float
+    busy: float
+
+
+def recut(
+    exemplar: Array, usable: NDArray[np.uint8], image: Array, source: Field, costs: Costs, work: Work,
+    wrap: tuple[bool, bool] = (False, False),
+) -> Field:  # fmt: skip
+    """Source map (h, w, 2) in which pieces have grown as long as that lowers the cost.
+
+    One piece after the other, the largest first, takes over what it can around it: a minimum cut (alpha expansion,
+    Boykov et al. 2001, in a box around the piece). Cuts are found for blocks of pixels, first of large ones, then of
+    small ones along the seams that these left.
+
+    Parameters
+    ----------
+    exemplar
+        Shape (eh, ew, c); ``usable`` (eh, ew) is 0 where a pixel must not be copied.
+    image
+        What the output should look like, with the exemplar's channels.
+    source
+        Rows and columns; negative where pixels are known: these stay as the image has them, and pieces beside them pay
+        for how their continuation differs.
+    wrap
+        Whether the output wraps around along its rows and columns.
+    """
+    height, width = source.shape[:2]
+    halves = [side // 2 if around else 0 for side, around in zip((height, width), wrap, strict=True)]
+    for turn in (halves, [-half for half in halves]) if any(halves) else ([0, 0],):
+        # borders that join come to lie in the middle, where pieces can grow over them, then back again
+        source, image = np.roll(source, turn, (0, 1)), np.ascontiguousarray(np.roll(image, turn, (0, 1)))
+        source = _recut(exemplar, usable, image, source, costs, work, wrap)
+    return source
+
+
+def _recut(
+    exemplar: Array, usable: NDArray[np.uint8], image: Array, source: Field, costs: Costs, work: Work,
+    held: tuple[bool, bool],
+) -> Field:  # fmt: skip
+    """One turn of :func:`recut`; blocks along borders that are ``held`` stay."""
+    known = source[..., 0] < 0
+    pieces, unknown = _blocks(source, known, SIDES[0][0])
+    for number, (side, step, reach) in enumerate(SIDES):
+        if number > 0:
+            finer = SIDES[number - 1][0] // side
+            pieces = _enlarged(pieces, finer, [-(-count // side) for count in known.shape])
+            unknown = _enlarged(unknown, finer, pieces.shape[:2])
+        free = unknown.copy() if number == 0 else unknown & _near_seams(pieces, reach // side)
+        for axis, holds in enumerate(held):
+            if holds:
+                free.swapaxes(0, axis)[[0, -1]] = False
+        _grow(exemplar, usable, image, known, pieces, free, (side, step, reach), costs, work)
+    result = source.copy()
+    places = [np.arange(count, dtype=np.int32) for count in known.shape]
+    down, right = (_enlarged(pieces[..., axis], SIDES[-1][0], known.shape) for axis in (0, 1))
+    rows, columns = down + places[0][:, None], right + places[1]
+    fits = ~known & (rows >= 0) & (rows < usable.shape[0]) & (columns >= 0) & (columns < usable.shape[1])
+    fits[fits] = usable[rows[fits], columns[fits]] != 0
+    np.copyto(result[..., 0], rows, where=fits)
+    np.copyto(result[..., 1], columns, where=fits)
+    return result
+
+
+def _grow(
+    exemplar: Array, usable: NDArray[np.uint8], image: Array, known: Flags, pieces: Field, free: Flags,
+    blocks: tuple[int, int, int], costs: Costs, work: Work,
+) -> None:  # fmt: skip
+    """Let pieces (rows, columns, 2) of blocks grow over ``free`` ones, the largest piece first."""
+    side, step, reach = blocks
+    number, ends = np.empty(free.shape, np.int32), np.empty((2 * free.size, 2), np.int32)
+    terms, caps, counts = np.empty((free.size, 2)), np.empty(2 * free.size), np.zeros(2, np.int64)
+    weights = costs.pull, np.float32(costs.join), np.float32(costs.busy)
+    flags = known.view(np.uint8)
+    for piece, box in _largest(pieces, max(1, LEAST // side**2), -(-reach // side)):
+        work.check()
+        cut_kernels.growth(
+            exemplar, usable, image, flags, pieces, free.view(np.uint8), *piece, np.array(box), side, step, *weights,
+            number, terms, ends, caps, counts,
+        )  # fmt: skip
+        nodes, edges = counts.tolist()
+        if nodes:
+            inside = slice(box[0], box[1]), slice(box[2], box[3])
+            grown = np.append(_minimum_cut(terms[:nodes], ends[:edges], caps[:edges]), False)
+            pieces[inside][grown[number[inside]]] = piece
+
+
+def _minimum_cut(terms: NDArray[np.float64], ends: Field, caps: NDArray[np.float64]) -> Flags:
+    """Which nodes (n,) take over, by ``terms`` (n, 2) for doing so and for staying and edges (m) between nodes."""
+    import maxflow
+
+    graph = maxflow.GraphFloat(len(terms), len(ends))
+    nodes = graph.add_nodes(len(terms))
+    graph.add_grid_tedges(nodes, terms[:, 0], terms[:, 1])
+    graph.add_edges(ends[:, 0], ends[:, 1], caps, np.zeros(len(caps)))
+    graph.maxflow()
+    taken: Flags = graph.get_grid_segments(nodes)
+    return taken
+
+
+def _blocks(source: Field, known: Flags, side: int) -> tuple[Field, Flags]:
+    """Shift (rows, columns, 2) of the unknown pixel nearest to each block's middle, and whether there is one."""
+    order = sorted(np.ndindex(side, side), key=lambda at: abs(2 * at[0] + 1 - side) + abs(2 * at[1] + 1 - side))
+    rows, columns = (-(-count // side) for count in known.shape)
+    pieces, found = np.zeros((rows, columns, 2), np.int32), np.zeros((rows, columns), bool)
+    for down, right in order if known.any() else order[:1]:
+        y = np.minimum(np.arange(rows) * side + down, known.shape[0] - 1)
+        x = np.minimum(np.arange(columns) * side + right, known.shape[1] - 1)
+        fresh = ~found & ~known[np.ix_(y, x)]
+        shifts = source[np.ix_(y, x)] - np.stack(np.meshgrid(y, x, indexing="ij"), axis=-1)
+        pieces[fresh] = shifts[fresh]
+        found |= fresh
+    return pieces, found
+
+
+def _enlarged(blocks: NDArray[Any], factor: int, size: Sequence[int]) -> NDArray[Any]:
+    """Values of blocks for each of the ``factor`` x ``factor`` smaller ones, as many as there are of these."""
+    result: NDArray[Any] = blocks.repeat(factor, axis=0).repeat(factor, axis=1)[: size[0], : size[1]]
+    return np.ascontiguousarray(result)
+
+
+def _near_seams(pieces: Field, reach: int) -> Flags:
+    """Which blocks have another piece within so many blocks."""
+    from scipy.ndimage import maximum_filter
+
+    seams = np.zeros(pieces.shape[:2], bool)
+    down, right = (pieces[1:] != pieces[:-1]).any(axis=-1), (pieces[:, 1:] != pieces[:, :-1]).any(axis=-1)
+    seams[1:] |= down
+    seams[:-1] |= down
+    seams[:, 1:] |= right
+    seams[:, :-1] |= right
+    near: Flags = maximum_filter(seams, 2 * reach - 1)
+    return near
+
+
+def _largest(pieces: Field, least: int, reach: int) -> Iterator[tuple[list[int], tuple[int, int, int, int]]]:
+    """Shifts of the pieces of at least so many blocks, the largest first, and a box of blocks ``reach`` around each.
+
+    Pieces may change between one and the next: one that was taken over has lost its turn to what is in its place.
+    """
+    from scipy.ndimage import find_objects
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    rows, columns = pieces.shape[:2]
+    index = np.arange(rows * columns).reshape(rows, columns)
+    code = pieces[..., 0].astype(np.int64) << 32 | (pieces[..., 1].astype(np.int64) & 0xFFFFFFFF)
+    down, right = code[1:] == code[:-1], code[:, 1:] == code[:, :-1]
+    ends = np.append(index[1:][down], index[:, 1:][right]), np.append(index[:-1][down], index[:, :-1][right])
+    graph = coo_array((np.ones(len(ends[0]), np.int8), ends), shape=(index.size, index.size))
+    labels = connected_components(graph, directed=False)[1].reshape(rows, columns)
+    area = np.bincount(labels.ravel())
+    first = np.full(area.size, index.size)
+    np.minimum.at(first, labels.ravel(), index.ravel())
+    boxes = find_objects(labels + 1)
+    present = pieces.reshape(-1, 2)
+    for number in np.argsort(-area, kind="stable"):
+        if area[number] < least:
+            return
+        down, right = boxes[number]
+        yield present[first[number]].tolist(), (
+            max(0, down.start - reach), min(rows, down.stop + reach),
+            max(0, right.start - reach), min(columns, right.stop + reach),
+        )  # fmt: skip
