@@ -17,6 +17,7 @@ from graphtex.cache.digest import canonical_json, text_digest
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "pillow", "OpenImageIO", "tifffile", "PyMaxflow")
 """Distributions whose version always counts: a pack may use them through another pack."""
 ABSENT = "(absent)"
+PRESENT = "(present)"
 _SHOWN = 60
 
 
@@ -160,13 +161,15 @@ def _all_distributions() -> Mapping[str, list[str]]:
 
 @dataclass(frozen=True)
 class Change:
-    """One thing that differs between two keys."""
+    """One thing that differs between two keys; of code, inputs and files both values are `PRESENT`."""
 
     what: str
     old: str
     new: str
 
     def __str__(self) -> str:
+        if self.old == self.new == PRESENT:
+            return f"{self.what} has changed"
         return f"{self.what}: {self.old} -> {self.new}"
 
 
@@ -197,7 +200,7 @@ def explain(old: KeyParts, new: KeyParts) -> list[Change]:
 
 
 class _Digest(str):
-    """Shown by its first digits."""
+    """Not shown: its digits tell nobody anything."""
 
 
 class _Absent:
@@ -246,7 +249,7 @@ def _show(value: Any) -> str:
     if value is _Absent:
         return ABSENT
     if isinstance(value, _Digest):
-        return value[:12]
+        return PRESENT
     if isinstance(value, list) and value and all(map(_is_digest, value)):
         return f"{len(value)} values"
     text = value if isinstance(value, str) else canonical_json(value)

@@ -59,18 +59,18 @@ def test_equal_parts_equal_key():
         (params(clip=None), "parameter clip: (absent) -> null"),
         (params(strokes={"radius": 3.0, "lines": [[0, 1], [2, 3]]}), "parameter strokes.radius: 2.0 -> 3.0"),
         (params(strokes={"radius": 2.0, "lines": []}), "parameter strokes.lines: [[0,1],[2,3]] -> []"),
-        (but(inputs={**BASE.inputs, "image": "d" * 64}), "input image: aaaaaaaaaaaa -> dddddddddddd"),
-        (but(inputs={**BASE.inputs, "layers": ["b" * 64, "d" * 64]}), "input layers[1]: cccccccccccc -> dddddddddddd"),
+        (but(inputs={**BASE.inputs, "image": "d" * 64}), "input image has changed"),
+        (but(inputs={**BASE.inputs, "layers": ["b" * 64, "d" * 64]}), "input layers[1] has changed"),
         (but(inputs={**BASE.inputs, "layers": ["b" * 64]}), "input layers: 2 values -> 1 values"),
-        (but(inputs={"layers": BASE.inputs["layers"]}), "input image: aaaaaaaaaaaa -> (absent)"),
+        (but(inputs={"layers": BASE.inputs["layers"]}), "input image: (present) -> (absent)"),
         (but(entropy=(8, 123)), "random stream (seed): [7,123] -> [8,123]"),
         (but(entropy=None), "random stream (seed): [7,123] -> null"),
         (but(environment={"numpy": "2.5.0", "machine": "x86_64"}), "numpy: 2.4.6 -> 2.5.0"),
         (
             but(code=CodeDigest.of({"pack.masks": "1" * 64, "pack.helper": "3" * 64})),
-            "code of pack.helper: 222222222222 -> 333333333333",
+            "code of pack.helper has changed",
         ),
-        (but(code=CodeDigest.of({"pack.masks": "1" * 64})), "code of pack.helper: 222222222222 -> (absent)"),
+        (but(code=CodeDigest.of({"pack.masks": "1" * 64})), "code of pack.helper: (present) -> (absent)"),
     ],
 )
 def test_each_change_makes_another_key_and_is_told(new, told):
@@ -81,8 +81,8 @@ def test_each_change_makes_another_key_and_is_told(new, told):
 def test_a_file_is_told_by_its_content():
     old, new = params(path="a" * 64, texts={"b": "1" * 64}), params(path="b" * 64, texts={"b": "2" * 64})
     assert [str(change) for change in explain(old, new)] == [
-        "content of parameter path: aaaaaaaaaaaa -> bbbbbbbbbbbb",
-        "content of parameter texts.b: 111111111111 -> 222222222222",
+        "content of parameter path has changed",
+        "content of parameter texts.b has changed",
     ]
 
 

@@ -168,7 +168,7 @@ def test_a_changed_input_runs_only_what_it_changes(command: Command, small: Path
     nodes = {node["id"]: node for node in json.loads(told.out)["nodes"]}
     assert {name: node["status"] for name, node in nodes.items()} == {"base": "ran", "sign": "ran", "lit": "cached"}
     assert nodes["base"]["why"] == "parameter value: 0.25 -> 0.5"
-    assert nodes["sign"]["why"].startswith("input image: ")
+    assert nodes["sign"]["why"] == "input image has changed"
     assert nodes["lit"]["why"] == ""
 
 
