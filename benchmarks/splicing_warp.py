@@ -2,14 +2,15 @@
 
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from tempfile import TemporaryDirectory
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+import graphtex as gt
 from benchmarks.figures import Figure, seconds
 from graphtex import Gap, Texture
 from graphtex_nodes import (
@@ -20,6 +21,7 @@ from graphtex_nodes import (
     hungarian,
     judge_splice,
     neighbour_sets,
+    prepare_texture,
     rasterize,
     refine,
     rigid_warp,
@@ -29,7 +31,9 @@ from graphtex_nodes import (
 from graphtex_nodes.image.save import save_image
 from graphtex_nodes.splicing._stiffness import RULES, matrix
 from graphtex_nodes.splicing.factor_warp import constraint_rows
-from graphtex_nodes.splicing.values import Extension, Factor, Moves
+from graphtex_nodes.splicing.load_prepared import save_prepared
+from graphtex_nodes.splicing.prepare_texture import PreparedTexture
+from graphtex_nodes.splicing.values import Extension, Moves
 
 Array = NDArray[Any]
 
@@ -125,31 +129,17 @@ def _bed_joints(extension: Extension, warp: Array) -> tuple[float, float]:
     return float(np.mean(widths)), float(np.mean(slopes))
 
 
-class Entry(NamedTuple):
-    """A texture with all that is made of it once."""
-
-    texture: Texture
-    extension: Extension
-    factors: tuple[Factor, Factor]
-    sets: Any
-
-
-def _entry(texture: Texture) -> Entry:
-    extension = extend_texture(texture)
-    return Entry(texture, extension, factor_warp(extension), neighbour_sets(texture))
-
-
-def _splice(entry: Entry, arrangement: Texture) -> tuple[Any, Any, Any]:
+def _splice(entry: PreparedTexture, arrangement: Texture) -> tuple[Any, Any, Any]:
     """What was moved, drawn and refined."""
     target = align_distributions(entry.extension, arrangement).target
     moves = hungarian(entry.extension, target).moves
-    drawn = rasterize(entry.extension, moves, rigid_warp(entry.extension, moves, *entry.factors))
+    drawn = rasterize(entry.extension, moves, rigid_warp(entry.extension, moves, entry.factor_x, entry.factor_y))
     return moves, drawn, refine(entry.texture, entry.sets, *drawn)
 
 
 def _pairs(pictures: Path | None) -> Iterator[Figure]:
     """What can be told of all pairs of the samples without a reference."""
-    entries = [_entry(sample_texture(name=name)) for name in SAMPLES]
+    entries = [prepare_texture(sample_texture(name=name)) for name in SAMPLES]
     verdicts: dict[str, list[Any]] = {name: [] for name in SAMPLES}
     results: list[Array | Gap] = []
     for name, entry in zip(SAMPLES, entries, strict=True):
@@ -173,7 +163,7 @@ def _speed(side: int) -> Iterator[Figure]:
     """Seconds of one thread for an output of side x side; compile time is not in them."""
     draw = partial(textons, width=side, height=side, size=24.0, form="leaf", jitter=0.05)
     first, second = _texture(draw(arrangement="hexagonal", rng=5)), _texture(draw(arrangement="square", rng=6))
-    entry = _entry(first)
+    entry = prepare_texture(first)
     _splice(entry, second)
     size = f"{side} x {side}"
     yield Figure(f"splice from a database, {size}, s", seconds(partial(_splice, entry, second), 3))
@@ -183,23 +173,22 @@ def _speed(side: int) -> Iterator[Figure]:
     sets, exact = seconds(partial(neighbour_sets, first), 3), _exact(entry.sets.fine_appearance)
     yield Figure(f"similar pixels, {size}, s; reference exact search", sets, "", exact)
     yield Figure(f"similar pixels, {size}, time over that of exact search", sets / exact, "<= 0.2")
-    yield Figure(f"two new textures to a splice, {size}, s", seconds(lambda: _splice(_entry(first), second), 3))
+    yield Figure(
+        f"two new textures to a splice, {size}, s", seconds(lambda: _splice(prepare_texture(first), second), 3)
+    )
 
 
 def _matrix() -> Iterator[Figure]:
-    """All pairs of ten textures whose extensions, factors and similar pixels are made, on two threads."""
-    made = []
-    for seed in range(10):
-        form: Literal["disc", "leaf", "flower"] = ("disc", "leaf", "flower")[seed % 3]
-        kind: Literal["square", "hexagonal", "random"] = ("square", "hexagonal", "random")[seed // 3 % 3]
-        made.append(_texture(textons(width=128, height=128, size=24.0, form=form, arrangement=kind, rng=seed)))
-    entries = [_entry(texture) for texture in made]
-
-    def splice_all() -> None:
-        with ThreadPoolExecutor(2) as pool:
-            list(pool.map(lambda pair: _splice(*pair), [(entry, other) for entry in entries for other in made]))
-
-    yield Figure("all pairs of ten textures, 128 x 128, two threads, s", seconds(splice_all, 1))
+    """The graph of all pairs of ten textures, from a database on disk and without a cache, on two threads."""
+    graph = gt.load("splicing/splice-matrix")
+    with TemporaryDirectory() as folder:
+        for seed in range(10):
+            form: Literal["disc", "leaf", "flower"] = ("disc", "leaf", "flower")[seed % 3]
+            kind: Literal["square", "hexagonal", "random"] = ("square", "hexagonal", "random")[seed // 3 % 3]
+            made = textons(width=128, height=128, size=24.0, form=form, arrangement=kind, rng=seed)
+            save_prepared(prepare_texture(_texture(made)), Path(folder) / f"{form}-{kind}-{seed}.texture")
+        run = partial(gt.run, graph, {"textures": folder}, cache=False, executor="threads", workers=2)
+        yield Figure("all pairs of ten textures of a database, 128 x 128, two threads, s", seconds(run, 1), "<= 30")
 
 
 def _texture(made: Any) -> Texture:

@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from graphtex.cache import code_digest
     from graphtex.context import QUIET, Context, Rng
     from graphtex.errors import Cancelled, DeclarationError, GraphError, GraphtexError, NodeFailed, Problem
     from graphtex.graph import Graph, load, loads
@@ -73,6 +74,7 @@ __all__ = [
     "Vector",
     "ViewStack",
     "Views",
+    "code_digest",
     "load",
     "loads",
     "node",
@@ -85,6 +87,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "graphtex.cache": "code_digest",
     "graphtex.context": "QUIET Context Rng",
     "graphtex.errors": "Cancelled DeclarationError GraphError GraphtexError NodeFailed Problem",
     "graphtex.graph": "Graph load loads",

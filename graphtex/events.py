@@ -1,6 +1,5 @@
 """What a run tells while it goes on: one stream of events, which progress displays, reports and studios read."""
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -72,12 +71,6 @@ class Skipped(Event):
 @dataclass(frozen=True)
 class Stopped(Event):
     """The task was cancelled; with an empty id the whole run was."""
-
-
-def as_python_warning(event: Event) -> None:
-    """Tell of a warning as Python does; nothing of other events."""
-    if isinstance(event, Warned):
-        warnings.warn(f"{event.task}: {event.text}" if event.task else event.text, stacklevel=2)
 
 
 def told_once(emit: Callable[[Event], None]) -> Callable[[Event], None]:

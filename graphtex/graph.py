@@ -150,14 +150,10 @@ class Graph(Document):
         save(self, path)
 
     def run(self, **inputs: Any) -> "RunResult":
-        """Run with these inputs, in this process, with the default cache; what nodes warn of becomes Python's warnings.
-
-        `graphtex.run.run` has more choices.
-        """
-        from graphtex.events import as_python_warning
+        """Run with these inputs, in this process, with the default cache; see `graphtex.run.run` for more choices."""
         from graphtex.run import run
 
-        return run(self, inputs, emit=as_python_warning)
+        return run(self, inputs)
 
     def _free_name(self, name: str, taken: Mapping[str, Any], path: Place) -> None:
         if not NAME.fullmatch(name):

@@ -60,7 +60,14 @@ from graphtex_nodes.splicing.factor_warp import factor_warp
 from graphtex_nodes.splicing.find_textons import find_textons
 from graphtex_nodes.splicing.hungarian import hungarian
 from graphtex_nodes.splicing.judge_splice import judge_splice
+from graphtex_nodes.splicing.load_prepared import (
+    load_prepared,
+    load_prepared_archive,
+    load_texture_folder,
+    sample_prepared,
+)
 from graphtex_nodes.splicing.neighbour_sets import neighbour_sets
+from graphtex_nodes.splicing.prepare_texture import prepare_texture, split_prepared
 from graphtex_nodes.splicing.rasterize import rasterize
 from graphtex_nodes.splicing.refine import refine
 from graphtex_nodes.splicing.rigid_warp import rigid_warp
@@ -106,9 +113,12 @@ __all__ = [
     "load_labels",
     "load_mask",
     "load_points",
+    "load_prepared",
+    "load_prepared_archive",
     "load_scale",
     "load_source_map",
     "load_texture",
+    "load_texture_folder",
     "load_view_stack",
     "mask_from_image",
     "neighbour_sets",
@@ -116,6 +126,7 @@ __all__ = [
     "optimize",
     "pebbles",
     "pick_channels",
+    "prepare_texture",
     "rasterize",
     "refine",
     "replay",
@@ -123,6 +134,7 @@ __all__ = [
     "rigid_warp",
     "sample",
     "sample_mask",
+    "sample_prepared",
     "sample_texture",
     "sand",
     "scale_edit",
@@ -133,6 +145,7 @@ __all__ = [
     "self_similarity",
     "separate_foreground",
     "split_maps",
+    "split_prepared",
     "split_texture",
     "stack_maps",
     "textons",

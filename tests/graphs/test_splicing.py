@@ -9,7 +9,8 @@ import graphtex as gt
 from graphtex.document import Output
 from graphtex.events import Event, Started
 from graphtex.outputs import write_outputs
-from graphtex_nodes import sample_texture
+from graphtex_nodes import prepare_texture, sample_texture
+from graphtex_nodes.image.save import save_image
 
 FOLDER = Path(__file__).parents[2] / "graphs" / "splicing"
 SMALL = {"width": 96, "height": 80}
@@ -20,6 +21,15 @@ def cropped(name: str, side: int = 96) -> gt.Texture:
     texture = sample_texture(name=name)
     inside = (texture.points < side - 0.5).all(axis=1)
     return gt.Texture(texture.image[:side, :side], texture.mask[:side, :side], texture.points[inside], texture.tag)
+
+
+def prepared(name: str, side: int = 96):
+    return prepare_texture(cropped(name, side))
+
+
+def rederived(result: gt.RunResult) -> list[str]:
+    """Warnings that derived files were not used."""
+    return [text for report in result.reports.values() for text in report.warnings if "derived" in text]
 
 
 def ran(graph: gt.Graph, inputs: dict[str, object], cache: Path) -> tuple[gt.RunResult, set[str]]:
@@ -33,14 +43,14 @@ def ran(graph: gt.Graph, inputs: dict[str, object], cache: Path) -> tuple[gt.Run
 
 
 def test_another_arrangement_uses_what_was_made(tmp_path: Path):
-    """Extension, factors and similar pixels are of the elements alone."""
+    """Extension, factors and similar pixels of another size are of the elements alone."""
     graph = gt.load(FOLDER / "splice.yaml")
-    elements = cropped("oranges")
-    first, started = ran(graph, {"elements": elements, "arrangement": cropped("leaves")}, tmp_path)
-    assert {"extended", "factors", "sets"} < started
-    second, started = ran(graph, {"elements": elements, "arrangement": cropped("blossoms")}, tmp_path)
-    assert not {"extended", "factors", "sets"} & started
-    assert first["image"].shape == second["image"].shape == (96, 96, 3)
+    inputs = {"elements": prepared("oranges"), "width": 80}
+    first, started = ran(graph, {**inputs, "arrangement": prepared("leaves")}, tmp_path)
+    assert "own" in started
+    second, started = ran(graph, {**inputs, "arrangement": prepared("blossoms")}, tmp_path)
+    assert "own" not in started
+    assert first["image"].shape == second["image"].shape == (96, 80, 3)
     assert not np.array_equal(first["image"], second["image"])
 
 
@@ -49,7 +59,8 @@ def test_an_element_at_each_place():
     graph = gt.load(FOLDER / "splice.yaml")
     graph.outputs["places"] = Output("target.target")
     elements = sample_texture(name="oranges")
-    result = gt.run(graph, {"elements": elements, "arrangement": sample_texture(name="leaves")}, cache=False)
+    other = prepare_texture(sample_texture(name="leaves"), width=32, height=32)  # only its points are needed
+    result = gt.run(graph, {"elements": "sample:oranges", "arrangement": other}, cache=False)
     radius = np.sqrt(elements.mask.mean() * 192 * 192 / len(elements.points) / np.pi)
     y, x = np.mgrid[:192, :192]
     distance = np.min([np.hypot(x - px, y - py) for px, py in result["places"].points], axis=0)
@@ -59,7 +70,7 @@ def test_an_element_at_each_place():
 
 @pytest.mark.parametrize(("executor", "workers"), [("threads", 1), ("threads", 2)])
 def test_same_bytes(executor: str, workers: int):
-    inputs = {"elements": cropped("leaves"), "arrangement": cropped("tiles"), **SMALL}
+    inputs = {"elements": prepared("leaves"), "arrangement": prepared("tiles"), **SMALL}
     graph = gt.load(FOLDER / "splice.yaml")
     result = gt.run(graph, inputs, cache=False, executor=executor, workers=workers)
     reference = gt.run(graph, inputs, cache=False)
@@ -70,8 +81,8 @@ def test_same_bytes(executor: str, workers: int):
 
 def test_a_pair_that_cannot_be_spliced_leaves_a_gap(tmp_path: Path):
     graph = gt.load(FOLDER / "splice-matrix.yaml")
-    lonely = cropped("oranges")._replace(points=np.array([[40.0, 40.0]]))
-    result = gt.run(graph, {"textures": [cropped("tiles"), lonely]}, cache=tmp_path)
+    lonely = prepare_texture(cropped("oranges")._replace(points=np.array([[40.0, 40.0]])))
+    result = gt.run(graph, {"textures": [prepared("tiles"), lonely]}, cache=tmp_path)
     gaps = [isinstance(image, gt.Gap) for image in result["images"]]
     assert gaps[:2] == [False, True]
 
@@ -97,5 +108,55 @@ def test_a_picture_becomes_a_texture(tmp_path: Path):
     assert both > 0.9
     assert nearest.max() < 2
     (file,) = write_outputs(found, tmp_path)["texture"]
-    spliced = gt.run(gt.load(FOLDER / "splice.yaml"), {"elements": str(file), "arrangement": true}, cache=False)
+    spliced = gt.run(
+        gt.load(FOLDER / "splice.yaml"), {"elements": str(file), "arrangement": prepared("leaves")}, cache=False
+    )
     assert spliced["image"].shape == (128, 128, 3)
+
+
+def test_a_database_is_built_named_and_spliced_as_it_stands(tmp_path: Path):
+    """Pictures become folders of their names; splices of these prepare nothing, and a damaged one costs only its own."""
+    pictures, database = tmp_path / "pictures", tmp_path / "database"
+    pictures.mkdir()
+    for name in ("oranges", "leaves"):
+        save_image(cropped(name, 128).image, pictures / f"{name}.png")
+    save_image(np.full((64, 64, 3), 0.5, np.float32), pictures / "nothing.png")
+    built = gt.run(gt.load(FOLDER / "database.yaml"), {"pictures": pictures, "width": 64, "height": 64}, cache=False)
+    write_outputs(built, database)
+    assert sorted(path.name for path in database.iterdir()) == ["leaves.texture", "oranges.texture", "overview.png"]
+    assert built.failed
+    graph = gt.load(FOLDER / "splice-matrix.yaml")
+    result, started = ran(graph, {"textures": database}, tmp_path / "cache")
+    assert [image.shape for image in result["images"]] == [(64, 64, 3)] * 4
+    assert not any("Prepare" in task for task in started)
+    assert not rederived(result)
+    (database / "leaves.texture" / "points.csv").write_text("x,y\n1,2\nnear,far\n")
+    damaged = gt.run(graph, {"textures": database}, cache=tmp_path / "cache")
+    assert [isinstance(image, gt.Gap) for image in damaged["images"]] == [True, True, True, False]
+    assert (
+        "leaves.texture/points.csv:3: expected numbers x,y, got 'near,far'" in damaged.reports["$textures[0]"].message
+    )
+    np.testing.assert_array_equal(damaged["images"][3], result["images"][3])
+
+
+def test_an_edited_database_is_prepared_anew(tmp_path: Path):
+    """The warning that points were edited goes once the database was updated; entries that are right stay as they are."""
+    database, update = tmp_path / "database", gt.load(FOLDER / "database-update.yaml")
+    given = {"textures": ["sample:oranges", "sample:tiles"], "width": 64, "height": 64}
+    write_outputs(gt.run(update, given, cache=False), database)
+    points = database / "oranges.texture" / "points.csv"
+    points.write_text("".join(points.read_text().splitlines(keepends=True)[:-3]))
+    untouched = (database / "tiles.texture").stat().st_ino
+    splice, inputs = gt.load(FOLDER / "splice.yaml"), {"arrangement": str(database / "tiles.texture")}
+    inputs["elements"] = str(database / "oranges.texture")
+    first = gt.run(splice, inputs, cache=False)
+    (warning,) = rederived(first)
+    assert "points.csv changed since files were derived: the texture is prepared anew" in warning
+    write_outputs(gt.run(update, {"textures": database, "width": 64, "height": 64}, cache=False), database)
+    again = gt.run(splice, inputs, cache=False)
+    assert not rederived(again)
+    np.testing.assert_array_equal(again["image"], first["image"])
+    assert (database / "tiles.texture").stat().st_ino == untouched
+    assert sorted(path.name for path in database.iterdir()) == [
+        "oranges.texture", "oranges.texture.old", "overview.png", "tiles.texture",
+    ]  # fmt: skip

@@ -233,13 +233,6 @@ def test_two_tasks_with_one_key_run_once(tmp_path, how):
     }
 
 
-def test_warnings_of_a_graph_run_from_python_are_python_s(tmp_path, monkeypatch):
-    monkeypatch.setenv("GRAPHTEX_CACHE_DIR", str(tmp_path))
-    for _ in range(2):  # also of what is cached
-        with pytest.warns(UserWarning, match="^a: it is odd$"):
-            graph("  one: {node: Const}\n  a: {node: Warns, image: one}").run()
-
-
 def test_warnings_are_told_again_on_a_hit(tmp_path):
     g = graph("  one: {node: Const}\n  a: {node: Warns, image: one}")
     for status in ("ran", "cached"):

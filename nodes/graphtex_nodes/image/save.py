@@ -162,7 +162,7 @@ def save_elements(value: Elements, path: Path) -> None:
     _save_csv("x,y,angle,scale", rows.tolist(), path)
 
 
-@writer(Texture, suffixes=(".npz",), default=".npz")
+@writer(Texture, suffixes=(".npz",))
 def save_texture(value: Texture, path: Path) -> None:
     """Write the fields ``image``, ``mask``, ``points`` and ``tag`` as a NumPy archive, without pickles."""
     _save_npz(path, image=value.image, mask=value.mask, points=value.points, tag=np.array(value.tag))
