@@ -86,8 +86,10 @@ def leading(exemplars: Sequence[Atlas], *, turned: bool) -> Array:
     """
     sides = [min(exemplar.usable.shape) for exemplar in exemplars]
     first = exemplars[sides.index(min(side for side in sides if 2 * side >= max(sides)))]
-    mean = first.picture[first.usable].mean(axis=0)
-    colours = np.where(first.usable[..., None], first.picture, mean).astype(np.float32)
+    colours = first.picture
+    if not first.usable.all():
+        mean = colours[first.usable].mean(axis=0)
+        colours = np.where(first.usable[..., None], colours, mean).astype(np.float32)
     if not turned:
         return colours
     top, left = (int(side * (1 - 0.5**0.5) / 2) for side in first.usable.shape)
@@ -227,3 +229,15 @@ def _stacked(copies: list[Atlas], unit: int) -> Atlas:
         if angle is not None and copy.angle is not None:
             angle[box] = copy.angle
     return Atlas(picture, scale, usable, origin, angle)
+
+
+def traced(sheet: Atlas, places: NDArray[np.integer]) -> tuple[Array, Array]:
+    """Source map (h, w, 6) of rows and columns of a sheet (h, w, 2), and each point (n, 6) that it shows, once.
+
+    Where they are negative, for known pixels, the source is any and shows nothing.
+    """
+    origins = sheet.origin.reshape(-1, 6)
+    numbers = places[..., 0] * sheet.origin.shape[1] + places[..., 1]
+    shown = np.zeros(len(origins), bool)
+    shown[numbers[places[..., 0] >= 0]] = True
+    return origins.take(numbers, axis=0, mode="wrap"), origins[shown]

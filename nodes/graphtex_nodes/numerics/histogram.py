@@ -6,6 +6,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float32]
 
 BINS = 16
+SEEN_PIXELS = 65536
+"""Pixels that tell an image's histogram; of one with three times as many only a part is looked at."""
 
 
 class Histograms:
@@ -24,37 +26,46 @@ class Histograms:
 
         ``counted`` pixels (h, w) make the range of the bins; others should have importance 0.
         """
-        seen = exemplar[counted].reshape(-1, exemplar.shape[2])
-        flat = exemplar.reshape(-1, exemplar.shape[2])
-        self.low = seen.min(axis=0)
-        spread = seen.max(axis=0) - self.low
-        self.used = [c for c in range(flat.shape[1]) if spread[c] > 0]
+        channels = [np.ascontiguousarray(exemplar[..., c]) for c in range(exemplar.shape[2])]
+        seen = [channel[counted] for channel in channels]
+        self.low = np.array([values.min() for values in seen])
+        spread = np.array([values.max() for values in seen]) - self.low
+        self.used = np.flatnonzero(spread > 0).tolist()
         self.per_unit = np.where(spread > 0, BINS / np.where(spread > 0, spread, 1), 0).astype(np.float32)
         self.shape = exemplar.shape[:2]
-        self.bins = {c: self._bin(flat[:, c], c) for c in self.used}
+        self.bins = {c: self._bin(channels[c].ravel(), c) for c in self.used}
         weight = importance.ravel().astype(np.float64)
         self.wanted = {c: np.bincount(self.bins[c], weight, BINS) / weight.sum() for c in self.used}
 
     def _bin(self, values: Array, channel: int) -> NDArray[np.intp]:
         position = (values - self.low[channel]) * self.per_unit[channel]
-        bins: NDArray[np.intp] = np.clip(position.astype(np.intp), 0, BINS - 1)
+        bins: NDArray[np.intp] = np.clip(position, 0, BINS - 1, out=position).astype(np.intp)
         return bins
 
     def pixel_weights(self, image: Array, gain: float, counted: NDArray[np.bool_] | None = None) -> Array:
         """Weight (h, w) of each pixel of the exemplar, 1 where its bins are not over-full in ``image``.
 
-        Of the image only the ``counted`` pixels (h, w) count; None = all.
+        Of the image only the ``counted`` pixels (h, w) count; None = all. Of a large one a regular part does.
         """
-        image = image.reshape(-1, image.shape[2]) if counted is None else image[counted]
-        surplus = np.ones(self.shape[0] * self.shape[1], np.float64)
+        surplus = np.ones(self.shape[0] * self.shape[1], np.float32)
         if gain > 0:
+            pixels = image.reshape(-1, image.shape[2]) if counted is None else image[counted]
+            pixels = pixels[:: _spacing(len(pixels), image.shape[1])]
             for channel in self.used:
-                found = np.bincount(self._bin(image[:, channel], channel), minlength=BINS)
+                found = np.bincount(self._bin(pixels[:, channel], channel), minlength=BINS)
                 share = found / found.sum()
                 wanted = self.wanted[channel]
                 excess = np.maximum(0, (share - wanted) / (wanted + 1 / (8 * BINS)))
-                surplus += gain * excess[self.bins[channel]]
-        return (1 / surplus).reshape(self.shape).astype(np.float32)
+                surplus += (gain * excess).astype(np.float32)[self.bins[channel]]
+        return np.reciprocal(surplus, out=surplus).reshape(self.shape)
+
+
+def _spacing(pixels: int, width: int) -> int:
+    """Distance of the pixels that count: odd and no divisor of the width, so that they run through all columns."""
+    spacing = 2 * (pixels // (2 * SEEN_PIXELS)) + 1
+    while spacing > 1 and width % spacing == 0:
+        spacing += 2
+    return spacing
 
 
 def usage(
@@ -75,12 +86,15 @@ def usage(
 
 def box_mean(values: NDArray[np.float64], radius: int) -> Array:
     """Mean over the part of a (2 radius + 1)-box that lies inside the array (h, w)."""
+    height, width = values.shape
+    padded = np.zeros((height + 2 * radius + 1, width + 2 * radius + 1))
+    padded[radius + 1 : radius + 1 + height, radius + 1 : radius + 1 + width] = values
     for axis in (0, 1):
-        size = values.shape[axis]
-        total = np.cumsum(values, axis=axis)
-        total = np.concatenate([np.zeros_like(total.take([0], axis)), total], axis=axis)
-        low = np.maximum(np.arange(size) - radius, 0)
-        high = np.minimum(np.arange(size) + radius + 1, size)
-        lengths = np.expand_dims(high - low, 1 - axis)
-        values = (total.take(high, axis) - total.take(low, axis)) / lengths
-    return values.astype(np.float32)
+        np.cumsum(padded, axis=axis, out=padded)
+    side = 2 * radius + 1
+    sums = padded[side:, side:] - padded[:-side, side:] - padded[side:, :-side] + padded[:-side, :-side]
+    rows, columns = (
+        np.minimum(np.arange(size) + radius + 1, size) - np.maximum(np.arange(size) - radius, 0)
+        for size in (height, width)
+    )
+    return (sums / np.outer(rows, columns)).astype(np.float32)

@@ -34,6 +34,7 @@ class Announcing(Protocol):
         """Tell how far the work is."""
 
 
+@cache
 def kernel_files(package: Path = _PACKAGE) -> list[Path]:
     """All kernel files of the package, sorted by path."""
     return sorted(package.rglob("*_kernels.py"))
@@ -162,7 +163,7 @@ def announce(ctx: Announcing, *modules: str) -> None:
     """
     message = "compiling kernels, once (about 10 s)"
     for path in kernel_files():
-        if path.stem in modules and is_cold(path.stem):
+        if path.stem in modules and _module_of(path) not in sys.modules and is_cold(path.stem):
             ctx.progress(0.0, message)
             import_module(_module_of(path))
             message = ""  # it is shown until there is another

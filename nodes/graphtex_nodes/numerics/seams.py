@@ -1,5 +1,7 @@
 """The last step of a synthesis: where copied pieces meet."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,18 +34,20 @@ def finish(problem: Problem, result: Result, *, fade: bool, work: Work) -> tuple
     variance = float(np.var(problem.exemplar[may], axis=0, dtype=np.float64).sum()) or 1.0
     # an output that wraps around sees the other side as far as a seam can move
     reach = [(2 * PASSES + 2 * RADIUS) * around for around in problem.wrap]
-    rows, columns = (
-        np.arange(-more, side + more) % side for side, more in zip(problem.size, reach, strict=True)
-    )  # fmt: skip
-    around = np.ix_(rows, columns)
     inside = tuple(slice(more, more + side) for side, more in zip(problem.size, reach, strict=True))
+
+    def around(values: NDArray[Any]) -> NDArray[Any]:
+        for axis, (side, more) in enumerate(zip(problem.size, reach, strict=True)):
+            values = values.take(np.arange(-more, side + more) % side, axis) if more else values
+        return values
+
     pull = np.full(exemplar.shape[2], PULL if problem.guide is None else GUIDED_PULL, np.float32)
     pull[colours:] = GUIDE_PULL
     costs = Costs(pull, JOIN * variance, BUSY * variance)
     source = recut(exemplar, usable, result.image, result.source, costs, work, problem.wrap)
-    source = move_seams(exemplar, usable, result.image[around], source[around], costs, PASSES, work)[inside]
+    source = move_seams(exemplar, usable, around(result.image), around(source), costs, PASSES, work)[inside]
     if fade:
-        image = fade_seams(exemplar, usable, source[around], radius=RADIUS, channels=colours, work=work)[inside]
+        image = fade_seams(exemplar, usable, around(source), radius=RADIUS, channels=colours, work=work)[inside]
     else:
         image = problem.exemplar[source[..., 0], source[..., 1]]
     source, image = np.ascontiguousarray(source), np.ascontiguousarray(image)

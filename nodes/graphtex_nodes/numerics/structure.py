@@ -63,15 +63,16 @@ def _autocorrelation(image: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.
 
     height, width = (min(LARGEST, side) for side in image.shape[:2])
     top, left = (image.shape[0] - height) // 2, (image.shape[1] - width) // 2
-    part = image[top : top + height, left : left + width].astype(np.float64)
-    down = np.linspace(-1, 1, height)[:, None, None]
-    right = np.linspace(-1, 1, width)[None, :, None]
-    for slope in (down, right):
-        part = part - slope * (part * slope).mean(axis=(0, 1)) / (slope * slope).mean()
-    part = (part - part.mean(axis=(0, 1))).astype(np.float32)
+    part = np.moveaxis(image[top : top + height, left : left + width], -1, 0)
+    part = np.ascontiguousarray(part - part.mean(axis=(1, 2), keepdims=True, dtype=np.float64), np.float32)
+    for axis, side in ((1, height), (2, width)):
+        slope = np.linspace(-1, 1, side, dtype=np.float32)
+        fit = (part.mean(axis=3 - axis, dtype=np.float64) * slope).mean(axis=1) / (slope * slope).mean()
+        part -= (fit[:, None] * slope).astype(np.float32).reshape(-1, *(side if n == axis else 1 for n in (1, 2)))
     rows, columns = (np.arange(-(side // 3) - 1, side // 3 + 2) for side in (height, width))
     shape = tuple(next_fast_len(side + side // 3 + 1, real=True) for side in (height, width))
-    raw = irfft2((np.abs(rfft2(part, shape, axes=(0, 1))) ** 2).sum(axis=2), shape)
+    waves = rfft2(part, shape, axes=(1, 2))
+    raw = irfft2((waves.real**2 + waves.imag**2).sum(axis=0), shape)
     overlap = np.outer(height - np.abs(rows), width - np.abs(columns))
     if raw[0, 0] <= 1e-12 * part.size:
         return np.zeros(overlap.shape, np.float32), rows, columns

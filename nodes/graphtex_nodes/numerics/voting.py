@@ -42,7 +42,9 @@ def vote_mean(
     ``known`` (h, w) stay; None = none.
     """
     flags = _flags(known, image)
-    weighted = np.concatenate([exemplar[..., :channels] * pixel_weights[..., None], pixel_weights[..., None]], axis=-1)
+    weighted = np.empty((*pixel_weights.shape, channels + 1), np.float32)
+    np.multiply(exemplar[..., :channels], pixel_weights[..., None], out=weighted[..., :channels])
+    weighted[..., channels] = pixel_weights
 
     def band(first: int, stop: int) -> None:
         vote_kernels.vote_mean(field, weights, weighted, falloff, step, flags, image, first, stop)

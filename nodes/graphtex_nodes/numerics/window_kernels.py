@@ -3,6 +3,7 @@
 # mypy: allow-untyped-defs
 
 import numpy as np
+from numba import njit
 
 from graphtex_nodes.numerics.jit import kernel
 
@@ -22,6 +23,15 @@ def add_products(samples, total, first, stop):
                 sums[column] += a * one[column] + b * two[column] + c * three[column] + d * four[column]
 
 
+@njit(inline="always", fastmath={"contract", "reassoc", "nsz"})
+def dot(first, second):
+    """Scalar product of two vectors."""
+    total = 0.0
+    for j in range(first.shape[0]):
+        total += first[j] * second[j]
+    return total
+
+
 @kernel("const f8[:,:], f8[:,:], f8[:], i8", fastmath={"contract", "reassoc", "nsz"})
 def iterate(covariance, rows, variances, rounds):
     """Orthogonal iteration: multiply rows by the covariance and make them orthonormal, some rounds long.
@@ -31,30 +41,41 @@ def iterate(covariance, rows, variances, rounds):
     """
     count, size = rows.shape
     products = np.empty((count, size))
+    lengths = np.empty(count)
     for number in range(rounds + 1):
         if number > 0:
             rows[:] = products
         # the last time twice: rounding left rows of unlike size a little aslant
         for _ in range(1 + (number == rounds)):
-            lengths = np.empty(count)
             for k in range(count):
-                lengths[k] = np.sum(rows[k] * rows[k])
+                lengths[k] = dot(rows[k], rows[k])
             for k in range(count):
                 row = rows[k]
-                length = np.sum(row * row)
-                keep = length > 1e-20 * lengths[k]
-                row *= 1 / np.sqrt(length) if keep else 0.0
+                length = dot(row, row)
+                factor = 1 / np.sqrt(length) if length > 1e-20 * lengths[k] else 0.0
+                for j in range(size):
+                    row[j] *= factor
                 for later in range(k + 1, count):
                     other = rows[later]
-                    other -= np.sum(other * row) * row
-        products[:] = 0
-        for k in range(count):
-            for i in range(size):
-                value = rows[k, i]
+                    common = dot(other, row)
+                    for j in range(size):
+                        other[j] -= common * row[j]
+        for i in range(size):
+            line = covariance[i]
+            for k in range(0, count - 3, 4):
+                one, two, three, four = rows[k], rows[k + 1], rows[k + 2], rows[k + 3]
+                a = b = c = d = 0.0
                 for j in range(size):
-                    products[k, j] += value * covariance[i, j]
+                    value = line[j]
+                    a += value * one[j]
+                    b += value * two[j]
+                    c += value * three[j]
+                    d += value * four[j]
+                products[k, i], products[k + 1, i], products[k + 2, i], products[k + 3, i] = a, b, c, d
+            for k in range(count - count % 4, count):
+                products[k, i] = dot(line, rows[k])
     for k in range(count):
-        variances[k] = np.sum(rows[k] * products[k])
+        variances[k] = dot(rows[k], products[k])
 
 
 @kernel(

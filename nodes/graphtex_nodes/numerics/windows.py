@@ -64,17 +64,19 @@ class Basis:
         out = np.zeros(shape, np.float32)
         flags = (np.ones(shape[:2], bool) if wanted is None else np.ascontiguousarray(wanted)).view(np.uint8)
         pooled = _pooled(image, self.pool)
-        pooled = np.pad(pooled, ((0, 0), (0, -pooled.shape[1] % self.pool), (0, 0)))
-        flat = np.concatenate([pooled[:, first :: self.pool] for first in range(self.pool)], axis=1)
-        flat = flat.reshape(len(flat), -1)
-        rows = np.ascontiguousarray(self.directions.T)
+        if self.pool > 1:
+            pooled = np.pad(pooled, ((0, 0), (0, -pooled.shape[1] % self.pool), (0, 0)))
+            pooled = np.concatenate([pooled[:, first :: self.pool] for first in range(self.pool)], axis=1)
+        flat = pooled.reshape(len(pooled), -1)
+        used = int(np.flatnonzero(self.directions.any(axis=0)).max(initial=-1)) + 1
+        rows = np.ascontiguousarray(self.directions.T[: used + used % 2])  # the rest is padding
 
         def band(first: int, stop: int) -> None:
             window_kernels.project(
                 flat, channels, self.window // self.pool, self.pool, step, rows, self.mean, flags, out, first, stop
             )  # fmt: skip
 
-        for_rows(band, shape[0], shape[1] * self.directions.size / 8, work)
+        for_rows(band, shape[0], shape[1] * rows.size / 8, work)
         return out
 
 

@@ -251,8 +251,8 @@ def optimize(
         image, places = result.image[..., : exemplar.shape[2]], result.source
     else:
         image, places = seams.finish(problem, result, fade=vote == "blend", work=ctx)
-    source = sheet.origin[places[..., 0], places[..., 1]]
-    coverage = sources.coverage(source[places[..., 0] >= 0], [each.usable for each in exemplars])
+    source, shown = atlas.traced(sheet, places)
+    coverage = sources.coverage(shown, [each.usable for each in exemplars])
     if problem.known is not None:
         source[problem.known] = 0
         source[problem.known, 0] = len(exemplars)

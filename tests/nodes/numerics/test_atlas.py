@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from graphtex_nodes.numerics.atlas import Stock, enlarged, original, view
+from graphtex_nodes.numerics.atlas import Stock, enlarged, original, traced, view
 from graphtex_nodes.numerics.frames import whole_windows
 from graphtex_nodes.numerics.orientation import structure
 from graphtex_nodes.numerics.sources import Look
@@ -96,3 +96,13 @@ def test_mirror_alone():
     assert atlas.usable.sum() == 2 * usable.sum()
     np.testing.assert_array_equal(atlas.picture[-40:], PICTURE[:, ::-1])
     np.testing.assert_array_equal(atlas.usable[-40:], usable[:, ::-1])
+
+
+def test_places_are_traced_to_their_origins():
+    sheet = resampled_atlas()
+    places = np.array([[[3, 4], [45, 7]], [[-1, -1], [3, 4]]], np.int32)  # one pixel is known
+    source, shown = traced(sheet, places)
+    assert source.shape == (2, 2, 6)
+    for row, column in ((0, 0), (0, 1), (1, 1)):
+        assert (source[row, column] == sheet.origin[tuple(places[row, column])]).all()
+    assert (shown == sheet.origin[[3, 45], [4, 7]]).all()

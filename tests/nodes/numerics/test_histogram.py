@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.histogram import BINS, Histograms, box_mean, usage
+from graphtex_nodes.numerics.histogram import BINS, SEEN_PIXELS, Histograms, box_mean, usage
 
 
 def test_weights_by_hand():
@@ -40,3 +40,14 @@ def test_usage_counts():
     field = np.array([[[0, 0], [0, 0]], [[0, 0], [1, 1]]], np.int32)
     np.testing.assert_allclose(usage(field, (2, 2), 0), [[3, 0], [0, 1]])
     assert usage(field, (2, 2), 1) == pytest.approx(np.ones((2, 2)))
+
+
+@pytest.mark.parametrize(("side", "period"), [(510, 3), (555, 5)])
+def test_part_of_a_large_image_shows_all_columns(side, period):
+    """Some columns are bright: a part that saw too many or too few of them would find a surplus."""
+    image = np.zeros((side, side, 1), np.float32)
+    image[:, ::period] = 1
+    assert image.size > 3 * SEEN_PIXELS
+    exemplar = np.eye(1, period, dtype=np.float32)[..., None]
+    weights = Histograms(exemplar, np.ones((1, period), np.float32)).pixel_weights(image, gain=20.0)
+    np.testing.assert_allclose(weights, 1, atol=0.01)
