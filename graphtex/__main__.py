@@ -1,5 +1,6 @@
 """``python -m graphtex`` and the command ``graphtex``."""
 
+import io
 import sys
 
 
@@ -7,6 +8,8 @@ def main() -> int:
     """Run the command line and return its exit status."""
     from graphtex.cli.app import call
 
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # as on stderr: a letter that cannot be shown ends nothing
     return call(sys.argv[1:])
 
 

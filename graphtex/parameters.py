@@ -218,6 +218,8 @@ def _message(model: type[BaseModel], fault: Any) -> str:
         return f"unknown parameter {name!r}{did_you_mean(name, known, label='parameters') if known else ''}"
     if kind == "missing":
         return "a value is required"
+    if kind == "json_invalid":  # the text was written by ourselves: only surrogates make it wrong
+        return "should be text; a name that is no UTF-8 cannot be used: rename the file"
     text = fault["msg"][0].lower() + fault["msg"][1:]
     text = text.replace("input should be", "should be").replace("value error, ", "")
     for theirs, ours in _WORDS:

@@ -130,7 +130,7 @@ def dry_run(
             for task in plan.tasks.values()
         ]
         given = graph.seed if seed is None else seed
-        print_json({"graph": name, "seed": given, "nodes": nodes})
+        print_json({"graph": name, "seed": given, "status": "done", "nodes": nodes})
         return DONE
     rows = [(task.id, task.node.name, WORDS[found[task.id].forecast], found[task.id].why)
             for task in plan.tasks.values()]  # fmt: skip

@@ -96,6 +96,13 @@ def test_what_would_fit_is_said_in_the_words_of_a_graph_file(given, told):
     assert [text for _, text in validate(model, given)[1]] == [told]
 
 
+def test_a_name_that_is_no_text_is_told():
+    """A file's name in another encoding than the system's comes as surrogates."""
+    assert validate(model_of(path=FilePath), {"path": "m\udcfcn.png"})[1] == [
+        ((), "should be text; a name that is no UTF-8 cannot be used: rename the file")
+    ]
+
+
 def test_all_faults_are_told_at_once_with_unknown_and_missing_names():
     faults = validate(model_of(window=int, level=float), {"widow": 3, "level": "x"})[1]
     assert sorted(faults) == [

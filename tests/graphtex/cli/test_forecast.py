@@ -10,7 +10,9 @@ def forecast(command: Command, folder: Path, nodes: str, output: str) -> dict[st
     (folder / "graph.yaml").write_text(
         f"graphtex: 1\nnodes:\n{nodes}outputs: {{image: {{from: {output}, file: a.num}}}}\n"
     )
-    found = json.loads(command("run", "graph.yaml", "--dry-run", "--json").out)["nodes"]
+    told = json.loads(command("run", "graph.yaml", "--dry-run", "--json").out)
+    assert told["status"] == "done"
+    found = told["nodes"]
     return {node["id"]: node["why"] for node in found}
 
 

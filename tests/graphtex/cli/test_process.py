@@ -81,3 +81,13 @@ def test_a_reader_that_goes_away_is_no_error(environment: dict[str, str], folder
     assert running.stderr.read() == ""
     running.stderr.close()
     assert running.wait(timeout=60) in (0, 141)
+
+
+def test_a_letter_that_the_terminal_has_not_ends_nothing(
+    environment: dict[str, str], process: Process, small: Path
+) -> None:
+    environment["PYTHONIOENCODING"] = "ascii"
+    done = process("run", "small.yaml", "--out", "bögen", "--quiet")
+    assert (done.status, done.err) == (0, "")
+    assert done.out.splitlines()[0] == r"b\xf6gen/image.num"
+    assert Path("bögen/image.num").is_file()
