@@ -1,4 +1,4 @@
-"""What seams between copied pieces cost, and a kernel that states what it costs to let a piece grow."""
+"""What seams between copied pieces cost, and kernels that state what it costs to let a piece grow."""
 
 # mypy: allow-untyped-defs
 
@@ -84,39 +84,96 @@ def border_cost(exemplar, usable, known, side, step, row, column, down, one_y, o
     return total * step
 
 
+@njit(inline="always")
+def open_block(pieces, free, box, row, column, piece_y, piece_x):
+    """Whether a block is in the box (first and last row, first and last column) and the piece may take it over."""
+    if row < box[0] or row >= box[1] or column < box[2] or column >= box[3] or not free[row, column]:
+        return False
+    return pieces[row, column, 0] != piece_y or pieces[row, column, 1] != piece_x
+
+
 @kernel(
     "const f4[:,:,:], const u1[:,:], const f4[:,:,:], const u1[:,:], const i4[:,:,:], const u1[:,:], i8, i8, "
-    "const i8[:], i8, i8, const f4[:], f4, f4, i4[:,:], f8[:,:], i4[:,:], f8[:], i8[:]",
+    "const i8[:], i8, i8, const f4[:], f4, f4, f4[:,:,:], f4[:,:,:], i8, i8",
     fastmath={"contract"},
 )
-def growth(
+def growth_costs(
     exemplar, usable, image, known, pieces, free, piece_y, piece_x, box, side, step, pull, join, busy,
-    number, terms, ends, caps, counts,
+    present, grown, first, stop,
 ):  # fmt: skip
-    """State what it costs to let a piece grow in a box of blocks.
+    """What blocks of the rows ``first <= row < stop`` cost as they are, and if a piece grows over them.
 
     ``pieces`` (rows, columns, 2) are the shifts of blocks of ``side`` x ``side`` output pixels, of which each
-    ``step``-th row and column is looked at, and ``pull`` (c,) weights of their differences from the image; ``free``
-    blocks (rows, columns) may be taken over. The box are its first and last row, first and last column, the last ones
-    excluded. Written: ``number`` of each block's node or -1, ``terms`` (n, 2) for being taken over and for staying,
-    ``ends`` (m, 2) of the edges and their capacities ``caps`` from the first end to the second (Kolmogorov & Zabih
-    2004), and in ``counts`` (2,) how many nodes and edges there are.
+    ``step``-th row and column is looked at, and ``pull`` (c,) weights of their differences from the image. Written for
+    blocks of the box that are ``free`` (rows, columns), and for their neighbours as far as these concern them: in
+    ``present`` (rows, columns, 3) costs of the block itself, of its border with the next one on its right and with the
+    one below, as they are, where these were not known (negative) before; in ``grown`` (rows, columns, 5) the cost of
+    the block if it shows the piece, then of both borders if only the other block does and if only this one does.
     """
     even = np.ones(exemplar.shape[2], np.float32)
+    for row in range(first, stop):
+        for column in range(max(0, box[2] - 1), box[3]):
+            here_y, here_x = pieces[row, column, 0], pieces[row, column, 1]
+            here = open_block(pieces, free, box, row, column, piece_y, piece_x)
+            if here:
+                for k in range(2):
+                    if k == 0 and present[row, column, 0] >= 0:
+                        continue
+                    cost = inside_cost(
+                        exemplar, usable, image, known, side, step, row, column,
+                        piece_y if k else here_y, piece_x if k else here_x, pull, join, even,
+                    )  # fmt: skip
+                    if k == 0:
+                        present[row, column, 0] = cost
+                    else:
+                        grown[row, column, 0] = cost
+            for down in range(2):
+                below, beside = row + down, column + 1 - down
+                if below >= pieces.shape[0] or beside >= pieces.shape[1]:
+                    continue
+                there_y, there_x = pieces[below, beside, 0], pieces[below, beside, 1]
+                there = open_block(pieces, free, box, below, beside, piece_y, piece_x)
+                if not here and not there:
+                    continue
+                for k in range(3):
+                    if (
+                        (k == 0 and present[row, column, 1 + down] >= 0)
+                        or (k == 1 and not there)
+                        or (k == 2 and not here)
+                    ):
+                        continue
+                    cost = border_cost(
+                        exemplar, usable, known, side, step, row, column, down,
+                        piece_y if k == 2 else here_y, piece_x if k == 2 else here_x,
+                        piece_y if k == 1 else there_y, piece_x if k == 1 else there_x, join, busy,
+                    )  # fmt: skip
+                    if k == 0:
+                        present[row, column, 1 + down] = cost
+                    else:
+                        grown[row, column, 2 * k - 1 + down] = cost
+
+
+@kernel(
+    "const i4[:,:,:], const u1[:,:], i8, i8, const i8[:], const f4[:,:,:], const f4[:,:,:], i4[:,:], f8[:,:], "
+    "i4[:,:], f8[:], i8[:]",
+    fastmath={"contract"},
+)
+def growth_graph(pieces, free, piece_y, piece_x, box, present, grown, number, terms, ends, caps, counts):
+    """State what :func:`growth_costs` found as a graph of the free blocks in the box.
+
+    Written: ``number`` (rows, columns) of each block's node or -1, ``terms`` (n, 2) for being taken over and for
+    staying, ``ends`` (m, 2) of the edges and their capacities ``caps`` from the first end to the second (Kolmogorov &
+    Zabih 2004), and in ``counts`` (2,) how many nodes and edges there are.
+    """
     nodes = edges = 0
     for row in range(box[0], box[1]):
         for column in range(box[2], box[3]):
-            shift_y, shift_x = pieces[row, column, 0], pieces[row, column, 1]
             number[row, column] = -1
-            if not free[row, column] or (shift_y == piece_y and shift_x == piece_x):
-                continue
-            number[row, column] = nodes
-            for k in range(2):
-                terms[nodes, k] = inside_cost(
-                    exemplar, usable, image, known, side, step, row, column,
-                    shift_y if k else piece_y, shift_x if k else piece_x, pull, join, even,
-                )  # fmt: skip
-            nodes += 1
+            if open_block(pieces, free, box, row, column, piece_y, piece_x):
+                number[row, column] = nodes
+                terms[nodes, 0] = grown[row, column, 0]
+                terms[nodes, 1] = present[row, column, 0]
+                nodes += 1
     for row in range(max(0, box[0] - 1), box[1]):
         for column in range(max(0, box[2] - 1), box[3]):
             for down in range(2):
@@ -127,25 +184,8 @@ def growth(
                 there = number[below, beside] if box[0] <= below < box[1] and box[2] <= beside < box[3] else -1
                 if here < 0 and there < 0:
                     continue
-                both = stays = grows = np.float32(0)
-                for k in range(3):
-                    first_grows, second_grows = k == 2, k == 1
-                    if (first_grows and here < 0) or (second_grows and there < 0):
-                        continue
-                    cost = border_cost(
-                        exemplar, usable, known, side, step, row, column, down,
-                        piece_y if first_grows else pieces[row, column, 0],
-                        piece_x if first_grows else pieces[row, column, 1],
-                        piece_y if second_grows else pieces[below, beside, 0],
-                        piece_x if second_grows else pieces[below, beside, 1],
-                        join, busy,
-                    )  # fmt: skip
-                    if k == 0:
-                        both = cost
-                    elif k == 1:
-                        stays = cost
-                    else:
-                        grows = cost
+                both = present[row, column, 1 + down]
+                stays, grows = grown[row, column, 1 + down], grown[row, column, 3 + down]
                 if there < 0:
                     terms[here, 0] += grows
                     terms[here, 1] += both

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex_nodes.numerics import cut_kernels
-from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics.parallel import Work, for_rows
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
@@ -106,19 +106,30 @@ def _grow(
     side, step, reach = blocks
     number, ends = np.empty(free.shape, np.int32), np.empty((2 * free.size, 2), np.int32)
     terms, caps, counts = np.empty((free.size, 2)), np.empty(2 * free.size), np.zeros(2, np.int64)
+    present, grown = np.full((*free.shape, 3), -1, np.float32), np.empty((*free.shape, 5), np.float32)
     weights = costs.pull, np.float32(costs.join), np.float32(costs.busy)
-    flags = known.view(np.uint8)
+    flags, open_ = known.view(np.uint8), free.view(np.uint8)
     for piece, box in _largest(pieces, max(1, LEAST // side**2), -(-reach // side)):
-        work.check()
-        cut_kernels.growth(
-            exemplar, usable, image, flags, pieces, free.view(np.uint8), *piece, np.array(box), side, step, *weights,
-            number, terms, ends, caps, counts,
-        )  # fmt: skip
+        above, inside = max(0, box[0] - 1), (slice(box[0], box[1]), slice(box[2], box[3]))
+        where = np.array(box)
+
+        def band(
+            first: int, stop: int, piece: Sequence[int] = piece, where: NDArray[Any] = where, top: int = above
+        ) -> None:
+            cut_kernels.growth_costs(
+                exemplar, usable, image, flags, pieces, open_, *piece, where, side, step, *weights, present, grown,
+                top + first, top + stop,
+            )  # fmt: skip
+
+        for_rows(band, box[1] - above, (box[3] - box[2]) * (side // step) ** 2 * 100, work)
+        cut_kernels.growth_graph(pieces, open_, *piece, where, present, grown, number, terms, ends, caps, counts)
         nodes, edges = counts.tolist()
         if nodes:
-            inside = slice(box[0], box[1]), slice(box[2], box[3])
-            grown = np.append(_minimum_cut(terms[:nodes], ends[:edges], caps[:edges]), False)
-            pieces[inside][grown[number[inside]]] = piece
+            taken = np.append(_minimum_cut(terms[:nodes], ends[:edges], caps[:edges]), False)[number[inside]]
+            pieces[inside][taken] = piece
+            rows, columns = np.nonzero(taken)
+            rows, columns = rows + box[0], columns + box[2]
+            present[rows, columns] = present[rows, columns - 1, 1] = present[rows - 1, columns, 2] = -1
 
 
 def _minimum_cut(terms: NDArray[np.float64], ends: Field, caps: NDArray[np.float64]) -> Flags:
@@ -186,14 +197,14 @@ def _largest(pieces: Field, least: int, reach: int) -> Iterator[tuple[list[int],
     graph = coo_array((np.ones(len(ends[0]), np.int8), ends), shape=(index.size, index.size))
     labels = connected_components(graph, directed=False)[1].reshape(rows, columns)
     area = np.bincount(labels.ravel())
-    first = np.full(area.size, index.size)
-    np.minimum.at(first, labels.ravel(), index.ravel())
-    boxes = find_objects(labels + 1)
+    order = np.argsort(-area, kind="stable")
+    order = order[: np.count_nonzero(area >= least)]
+    place = np.zeros(area.size, np.intp)
+    place[order] = np.arange(1, order.size + 1)
+    first = np.empty(area.size, np.intp)
+    first[labels.ravel()[::-1]] = index.ravel()[::-1]  # of all that are written to one place the last stays
     present = pieces.reshape(-1, 2)
-    for number in np.argsort(-area, kind="stable"):
-        if area[number] < least:
-            return
-        down, right = boxes[number]
+    for number, (down, right) in zip(order, find_objects(place[labels]), strict=True):
         yield present[first[number]].tolist(), (
             max(0, down.start - reach), min(rows, down.stop + reach),
             max(0, right.start - reach), min(columns, right.stop + reach),
