@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from graphtex.cli.display import Display
     from graphtex.cli.tally import Tally
     from graphtex.document import Document
+    from graphtex.plan import Plan
     from graphtex.run import RunResult
 
 Set = Annotated[list[str] | None, Parameter(name="--set", negative=())]
@@ -171,8 +172,17 @@ def carry_out(job: Job) -> int:
     ended_well = _deliver(job, result, display.tally)
     for ended in result.reports.values():
         if ended.status == "failed":
-            say(f"failed: {ended.task.id}: {ended.message}", "bold red")
+            say(f"failed: {ended.task.id}{_made_of(result.plan, ended.task.id)}: {ended.message}", "bold red")
     return DONE if ended_well and failure is None and not result.failed else FAILED
+
+
+def _made_of(plan: "Plan", task: str) -> str:
+    """Return which files of a list a cell was made of: its number tells nobody."""
+    import networkx as nx
+
+    items = [plan.tasks[name] for name in nx.ancestors(plan.dag, task) if "[" in name and plan.tasks[name].files]
+    names = sorted({file.name for item in items for file in item.files})
+    return f" ({', '.join(names)})" if names and len(names) <= 3 else ""
 
 
 def _run(job: Job, display: "Display", cancel: "threading.Event") -> "RunResult":

@@ -230,6 +230,19 @@ def test_kept_failures_are_listed_at_the_end_and_give_status_1(command: Command,
     assert ": 3 ran, 1 failed; " in told.err.splitlines()[-2]
 
 
+def test_a_cell_that_failed_is_told_with_its_file(command: Command, folder: Path) -> None:
+    (folder / "photos").mkdir()
+    for name, grey in (("a", "0.1"), ("b", "0.5")):
+        (folder / "photos" / f"{name}.num").write_text(f"{grey}\n")
+    text = (
+        'graphtex: 1\ninputs: {p: {type: "list[Image]", default: photos}}\n'
+        "nodes: {bad: {node: Fussy, limit: 0.2, each: {image: $p}, on_error: keep}}\n"
+        "outputs: {image: {from: bad, file: c.num}}\n"
+    )
+    told = command("run", write(folder, text))
+    assert told.err.splitlines()[-1].startswith("failed: bad[1] (b.num): image: at most 0.2 wanted")
+
+
 def test_a_fault_in_a_node_names_its_line_and_debug_shows_the_traceback(command: Command, folder: Path) -> None:
     text = "graphtex: 1\nnodes: {a: {node: Flat}, b: {node: Faulty, image: a}}\noutputs: {image: b}\n"
     graph = write(folder, text.replace("image: b}", "image: {from: b, file: b.num}}"))
