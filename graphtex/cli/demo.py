@@ -24,6 +24,10 @@ def demo(*, out: Path = Path("graphtex-out/demo"), quiet: bool = False) -> int:
     if status == DONE:
         say(f"The pictures are in {out}. image is the new texture: it has the texture elements of the exemplar, which")
         say("shrink with distance as there; the other pictures are maps on the way. Try next:")
-        say(f"  graphtex show {GRAPH} -o graph.svg        how it is wired")
-        say(f"  graphtex run {GRAPH} --set exemplar=PHOTO.png   your own photo of a texture on a plane")
+        for command, what in (
+            (f"run {GRAPH} --set exemplar=PHOTO.png", "your own photo of a texture on a plane"),
+            (f"show {GRAPH} -o graph.svg", "how it is wired"),
+            ("graphs", "what else ships"),
+        ):
+            say(f"  {f'graphtex {command}':65}{what}")
     return status
