@@ -1,5 +1,6 @@
 """``graphtex graphs``: what graphs ship, and what one takes and makes."""
 
+import shutil
 import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -8,8 +9,6 @@ from graphtex.cli.terminal import DONE, count, out, say, table
 
 if TYPE_CHECKING:
     from graphtex.document import Document, Input
-
-WIDTH = 110  # of descriptions
 
 
 def graphs(name: str | None = None, /) -> int:
@@ -47,7 +46,7 @@ def described(name: str, graph: "Document") -> str:
     parts = [
         f"{name}: {graph.title}" if graph.title else name,
         graph.source,
-        textwrap.fill(graph.description, WIDTH),
+        textwrap.fill(graph.description, shutil.get_terminal_size().columns),
         _section("Inputs, each given by --set NAME=VALUE", inputs),
         _section("Outputs", [(key, kind_text(kind)) for key, kind in kinds.items()]),
     ]
