@@ -12,7 +12,7 @@ from graphtex_nodes.numerics.strokes import Strokes
 Array = NDArray[Any]
 
 NO_STROKES = Strokes()
-CORE, RIM = 0.45, 1.12  # where an element surely is, and where it surely ends, in its half sizes
+CORE, RIM = 0.85, 1.12  # where an element surely is, and where it surely ends, in its half sizes
 FARTHEST = 0.35  # share of what lies outside of all elements that surely is background
 LEAST_BACKGROUND = 0.02  # share of the picture that background colours are learned from
 CAP = 8.0  # of -log p: no pixel is surer than that
@@ -82,8 +82,8 @@ def separate_foreground(
     mask
         True on the foreground.
     labels
-        1 and up for the elements in order, 0 for the background and parts without an element; in parts that hold
-        several, each pixel belongs to the nearest centre. Without elements connected parts are numbered.
+        1 and up for the elements in order, 0 for the background and parts without an element; parts that hold several
+        are split where they are narrow. Without elements connected parts are numbered.
 
     Raises
     ------
@@ -173,8 +173,9 @@ def _seeds(known: Array, elements: Elements | None, width: float, height: float,
             raise ValueError(f"width: expected the elements' size above 0, got {width:g} x {height:g}")
         nearness, outside = _distances(known.shape, elements, width, height)
         if not (known < 0).any():
-            rim = min(RIM, float(np.quantile(outside, 1 - LEAST_BACKGROUND)))
-            beyond = (outside >= rim) & (known == 0)
+            inner = _inner(known.shape, elements, width, height)
+            rim = min(RIM, float(np.quantile(outside[inner], 1 - LEAST_BACKGROUND)))
+            beyond = inner & (outside >= rim) & (known == 0)
             if beyond.any():
                 beyond &= nearness >= np.quantile(nearness[beyond], 1 - FARTHEST)
             ground = typical_of(pixels, beyond.ravel(), (nearness < 1).ravel(), RARE)
@@ -186,6 +187,17 @@ def _seeds(known: Array, elements: Elements | None, width: float, height: float,
         if not (seeds == side).any():
             raise ValueError(f"{name}: expected some pixels of it, by elements, a mask or strokes, got none")
     return seeds
+
+
+def _inner(shape: tuple[int, ...], elements: Elements, width: float, height: float) -> Array:
+    """Where no element lies whose middle is beyond the picture's border, unseen; everywhere if there is no such place.
+
+    Elements that touch leave little ground: what is farthest from all that were found is then parts of such ones.
+    """
+    margin = int(np.ceil(max(width, height) * np.median(elements.scales) / 2))
+    inner = np.zeros(shape, bool)
+    inner[margin : shape[0] - margin, margin : shape[1] - margin] = True
+    return inner if inner.any() else ~inner
 
 
 def _distances(shape: tuple[int, ...], elements: Elements, width: float, height: float) -> tuple[Array, Array]:

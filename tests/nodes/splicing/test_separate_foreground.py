@@ -8,6 +8,7 @@ from graphtex import Elements
 from graphtex_nodes import find_textons, separate_foreground, textons
 from graphtex_nodes.numerics.illumination import evenly_lit
 from graphtex_nodes.splicing._colours import least_cut, mixture_cost, smoothness_costs, told_by_hue
+from graphtex_nodes.splicing.texton_labels import texton_labels
 
 small = partial(textons, width=144, height=128, size=24.0)
 SETS = {
@@ -37,6 +38,16 @@ def test_automatic(name, spoiled):
     if spoiled == "ramp":
         image = image * np.linspace(0.5, 1, 144, dtype=np.float32)[None, :, None]
     assert overlap(cut(np.clip(image, 0, 1)).mask, made.mask) >= 0.9
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_gaps_between_touching_elements(seed, noise):
+    """What is farthest from all elements is not ground here but parts of others, whose middles are out of sight."""
+    made = small(arrangement="hexagonal", spacing=0.97, jitter=0.03, rng=seed)
+    image = made.image + np.random.default_rng(1).normal(0, noise, made.image.shape).astype(np.float32)
+    found = separate_foreground(np.clip(image, 0, 1), made.elements, width=24.0, height=24.0)
+    assert overlap(found.mask, made.mask) >= 0.9
 
 
 def test_one_element_and_scribbles():
@@ -84,6 +95,22 @@ def test_touching_elements_are_split():
     )
     both = found.mask & (made.labels > 0) & (made.labels <= len(made.centres))
     assert (found.labels[both] == made.labels[both]).mean() > 0.93
+
+
+def test_bricks_without_joints_are_split_where_they_meet():
+    """The nearest centre takes the ends of long bricks for their neighbours'."""
+    made = textons(form="tile", size=44.0, arrangement="brick", spacing=1.0, proportion=0.45, rng=1)
+    known = (made.labels > 0) & (made.labels <= len(made.centres))
+    rows, columns = np.nonzero(known)
+    nearest = np.hypot(*(np.stack([columns, rows]) - made.centres[:, :, None]).transpose(1, 0, 2)).argmin(axis=0)
+    truth = made.labels[known] - 1
+    assert (texton_labels(made.mask, made.centres)[known] == truth).mean() > 0.9
+    assert (nearest == truth).mean() < 0.8
+
+
+def test_a_picture_without_background_is_split_halfway():
+    labels = texton_labels(np.ones((3, 6), bool), np.array([[1.0, 1.0], [4.0, 1.0]]))
+    np.testing.assert_array_equal(labels, [[0, 0, 0, 1, 1, 1]] * 3)
 
 
 def test_least_cut_against_all_labellings():
@@ -154,4 +181,4 @@ def test_specks_are_no_foreground():
     elements = Elements(np.stack([x + 1.0, y + 1.0], axis=1), np.zeros(9), np.ones(9))
     assert np.count_nonzero(separate_foreground(image, elements, width=6.0, height=6.0).mask) == 81
     with pytest.raises(ValueError, match=r"image: expected colours that tell elements .* got no foreground"):
-        separate_foreground(image, elements, width=24.0, height=24.0)
+        separate_foreground(image, elements, background=image[..., 0] < 0.7, width=24.0, height=24.0)
