@@ -11,10 +11,10 @@ from graphtex_nodes.numerics.parallel import Work
 Array = NDArray[Any]
 Pairwise = Callable[[Array, Array], Array]
 
-SWEEPS = 3
 
-
-def expand(unary: Array, first: Array, second: Array, pairwise: Pairwise, labels: Array, work: Work) -> Array:
+def expand(
+    unary: Array, first: Array, second: Array, pairwise: Pairwise, labels: Array, sweeps: int, work: Work
+) -> Array:
     """Labels (n,) of which no expansion of a single label lowers the cost.
 
     Parameters
@@ -28,23 +28,27 @@ def expand(unary: Array, first: Array, second: Array, pairwise: Pairwise, labels
         metric, or else steps are cuts of the nearest costs that are.
     labels
         Where to begin.
+    sweeps
+        Times that each label is tried, at most.
     """
     import maxflow
 
     labels = labels.copy()
     nodes = np.arange(labels.size)
 
-    def total(labels: Array) -> float:
-        within = unary[labels, nodes].sum(dtype=np.float64)
-        return float(within + pairwise(labels[first], labels[second]).sum(dtype=np.float64))
+    def joins(labels: Array) -> Array:
+        return pairwise(labels[first], labels[second]).astype(np.float64)
 
-    best = total(labels)
-    for _ in range(SWEEPS):
+    def total(labels: Array, both: Array) -> float:
+        return float(unary[labels, nodes].sum(dtype=np.float64) + both.sum())
+
+    both = joins(labels)
+    best = total(labels, both)
+    for _ in range(sweeps):
         before = best
         for label in range(len(unary)):
             work.check()
             alpha = np.full(first.size, label)
-            both = pairwise(labels[first], labels[second]).astype(np.float64)
             one, other = pairwise(labels[first], alpha), pairwise(alpha, labels[second])
             graph = maxflow.GraphFloat(labels.size, first.size)
             graph.add_nodes(labels.size)
@@ -56,9 +60,12 @@ def expand(unary: Array, first: Array, second: Array, pairwise: Pairwise, labels
             graph.add_edges(first, second, np.maximum(one + other - both, 0), np.zeros(first.size))
             graph.maxflow()
             changed = np.where(graph.get_grid_segments(nodes), label, labels)
-            cost = total(changed)
+            if (changed == labels).all():
+                continue
+            joined = joins(changed)
+            cost = total(changed, joined)
             if cost < best - 1e-9 * abs(best):
-                labels, best = changed, cost
+                labels, both, best = changed, joined, cost
         if best >= before:
             break
     return labels

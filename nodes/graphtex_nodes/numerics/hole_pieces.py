@@ -22,12 +22,16 @@ JOIN = 0.02
 """Cost of each pair of pixels across a seam, likewise."""
 LACKING = 1.0
 """Cost of a known pixel around the hole for which a piece has no source, likewise."""
+SWEEPS = 3
+"""Times that each move is tried on the coarsest level."""
 OUTLINE = 0.5
 """Differences at a seam that are bent away by half, likewise."""
 NONE = 1e4
 """Cost of a pixel of the hole without source: above that of any seam."""
 ANCHORS, BEST, MOST = 17, 3, 40
 """Places along the hole's border, moves of each of them, and moves of all together, from which the cut chooses."""
+SEARCHED, CUT = 150_000, 4_000
+"""Pixels of the reduced picture in which moves are looked for, and of the hole in the one where it is cut first."""
 SWAY = 2
 """Pixels that a seam may move on each finer level."""
 PROBES = 2000
@@ -45,16 +49,22 @@ class Pieces:
     filled: Array
 
 
-def halvings(level: Level, largest: int) -> list[Level]:
-    """A picture and its halvings until one has no more than ``largest`` pixels, the finest first."""
+def halvings(level: Level) -> tuple[list[Level], int]:
+    """A picture and its halvings, the finest first, and the number of the one in which moves are looked for.
+
+    The last has a hole of no more than :data:`CUT` pixels.
+    """
+    result, searched = [level], 0
     count = 1
-    while (level.hole.size >> (2 * count - 2)) > largest:
+    while (level.hole.size >> (2 * count - 2)) > SEARCHED:
+        count += 1
+    searched = count - 1
+    while (int(level.hole.sum()) >> (2 * count - 2)) > CUT:
         count += 1
     pictures, _ = masked_pyramid(level.picture, ~level.hole, count)
-    result = [level]
     for smaller in pictures[1:]:
         result.append(Level(smaller, ~_any(~result[-1].usable), _any(result[-1].hole)))
-    return result
+    return result, searched
 
 
 def _any(mask: Array) -> Array:
@@ -76,21 +86,26 @@ def choose(level: Level, slopes: Sequence[Slope], log_scale: Array | None, work:
     return list(distinct.values())[:MOST]
 
 
-def fill(levels: Sequence[Level], found: Sequence[Fit], work: Work) -> Pieces:
-    """The hole of the first level filled; ``found`` are moves of the last, coarsest one."""
+def fill(levels: Sequence[Level], found: Sequence[Fit], searched: int, work: Work) -> Pieces:
+    """The hole of the first level filled; ``found`` are moves of the one numbered ``searched``.
+
+    Down to that one all moves may be chosen anywhere; on finer ones seams move only a little.
+    """
     labels = np.full(levels[-1].hole.shape, -1)
     for number in range(len(levels) - 1, -1, -1):
         level = levels[number]
         views = Views.of(level.picture, level.usable)
         if number < len(levels) - 1:
-            used = np.unique(labels[labels >= 0])
-            found = [_finer(found[label], level, views) for label in used]
-            labels = np.searchsorted(used, labels.repeat(2, axis=0).repeat(2, axis=1))
-            labels = labels[: level.hole.shape[0], : level.hole.shape[1]]
+            labels = labels.repeat(2, axis=0).repeat(2, axis=1)[: level.hole.shape[0], : level.hole.shape[1]]
             labels[~level.region] = -1
-        labels = _cut(level, views, [fit.move for fit in found], labels, work)
+        if number < searched:
+            used, at = np.unique(labels[labels >= 0], return_inverse=True)
+            labels[labels >= 0] = at
+            found = [_finer(found[label], level, views) for label in used]
+        moves = [fit.move.halved(max(0, number - searched)) for fit in found]
+        labels = _cut(level, views, moves, labels, number < searched, work)
         work.progress(1 - number / len(levels), "cutting pieces")
-    return _painted(levels[0], views, [fit.move for fit in found], labels, work)
+    return _painted(levels[0], views, moves, labels, work)
 
 
 def _finer(fit: Fit, level: Level, views: Views) -> Fit:
@@ -102,7 +117,7 @@ def _finer(fit: Fit, level: Level, views: Views) -> Fit:
     stride = max(1, rows.size // PROBES)
     rows, columns = rows[::stride], columns[::stride]
     wanted = level.picture[rows, columns]
-    middle = fit.move.finer()
+    middle = fit.move.halved(-1)
     best = np.inf
     chosen = middle
     for down in (0, -1, 1):
@@ -115,11 +130,12 @@ def _finer(fit: Fit, level: Level, views: Views) -> Fit:
     return replace(fit, move=chosen, row=row, column=column, radius=radius)
 
 
-def _cut(level: Level, views: Views, moves: Sequence[Move], labels: Array, work: Work) -> Array:
-    """Labels (h, w) of the moves in the region of a level; where there were some, seams move a little."""
-    region = level.region
-    free = region & (labels < 0)
-    if not free.any():
+def _cut(level: Level, views: Views, moves: Sequence[Move], labels: Array, settled: bool, work: Work) -> Array:
+    """Labels (h, w) of the moves in the region of a level; where they are ``settled``, seams move a little."""
+    from graphtex_nodes.numerics.join_kernels import join_costs
+
+    region = free = level.region
+    if settled:
         from scipy.ndimage import binary_dilation
 
         seams = np.zeros(labels.shape, bool)
@@ -146,14 +162,15 @@ def _cut(level: Level, views: Views, moves: Sequence[Move], labels: Array, work:
     first, second = _neighbours(count)
 
     def seam(one: Array, other: Array) -> Array:
-        result = np.zeros(first.size)
-        at = np.flatnonzero(one != other)
-        a, b, p, q = one[at], other[at], first[at], second[at]
-        result[at] = JOIN + (_length(copies[a, p] - copies[b, p]) + _length(copies[a, q] - copies[b, q])) / spread
-        return result
+        costs = np.empty(first.size)
+        join_costs(copies, one, other, first, second, JOIN, 1 / spread, costs)
+        return costs
 
     result = labels.copy()
-    result[region] = expand(unary, first, second, seam, np.argmin(unary, axis=0), work)
+    given = labels[region]
+    started = bool((given >= 0).all())
+    start = given if started else np.argmin(unary, axis=0)
+    result[region] = expand(unary, first, second, seam, start, 1 if started else SWEEPS, work)
     return result
 
 

@@ -66,8 +66,13 @@ class Move:
     """A shift over the plane: what is at (v, u) is taken from (v + down, u + right)."""
 
     slope: Slope
-    down: int
-    right: int
+    down: float
+    right: float
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is a shift by whole pixels of the picture."""
+        return self.slope.flat and self.down % 1 == self.right % 1 == 0
 
     def sources(self, rows: Array, columns: Array) -> tuple[Array, Array, Array]:
         """Row and column that pixels are taken from, and how many times as large as there they are shown.
@@ -84,9 +89,9 @@ class Move:
         enlarged = self.slope.scale(rows, columns) * np.where(seen, there, 1)
         return np.where(seen, source_rows, -1), np.where(seen, source_columns, -1), enlarged
 
-    def finer(self) -> "Move":
-        """The same move in the picture of twice the size."""
-        return Move(self.slope.halved(-1), 2 * self.down, 2 * self.right)
+    def halved(self, times: int) -> "Move":
+        """The same move in the picture of half the size; a negative number doubles it."""
+        return Move(self.slope.halved(times), self.down / 2**times, self.right / 2**times) if times else self
 
 
 @dataclass(frozen=True)
@@ -123,9 +128,9 @@ class Views:
             (source_rows >= 0) & (source_columns >= 0) & (source_rows <= height - 1) & (source_columns <= width - 1)
         )
         source_rows, source_columns = np.where(inside, source_rows, 0), np.where(inside, source_columns, 0)
-        if move.slope.flat:
-            usable = inside & self.usable[source_rows, source_columns]
-            return self.colours[source_rows, source_columns], usable, enlarged
+        if move.plain:
+            at = source_rows.astype(np.intp), source_columns.astype(np.intp)
+            return self.colours[at], inside & self.usable[at], enlarged
         usable = inside.copy()
         for corner_row in (np.floor(source_rows), np.ceil(source_rows)):
             for corner_column in (np.floor(source_columns), np.ceil(source_columns)):

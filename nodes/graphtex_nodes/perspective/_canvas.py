@@ -21,8 +21,6 @@ Box = tuple[slice, slice]
 
 TELLING = 0.2
 """Spread of log scale from which the scale counts fully."""
-MATCHED = 150_000
-"""Pixels of the reduced picture in which moves are looked for."""
 LOG = 3
 """Column of a source map: log2 of the resampling."""
 
@@ -58,17 +56,16 @@ class Canvas:
 
     def put_pieces(self, part: Array, box: Box, scaled: bool, work: Work) -> Array:
         """Fill a part with pieces; what is left of it (h, w)."""
-        halvings = hole_pieces.halvings(self.level(part, box), MATCHED)
-        coarsest, count = halvings[-1], len(halvings) - 1
+        halvings, count = hole_pieces.halvings(self.level(part, box))
         slope = hole_scale.slope_of(self.scales[box], part[box]).halved(count)
         slopes, log = [Slope(slope.row, slope.column)], None
         if scaled:
             log = np.log2(self.scales[box][:: 1 << count, :: 1 << count])
             slopes += [] if slope.flat else [slope]
-        moves = hole_pieces.choose(coarsest, slopes, log, Portion(work, 0, 0.2))
+        moves = hole_pieces.choose(halvings[count], slopes, log, Portion(work, 0, 0.2))
         if not moves:
             return part
-        found = hole_pieces.fill(halvings, moves, Portion(work, 0.2, 0.8))
+        found = hole_pieces.fill(halvings, moves, count, Portion(work, 0.2, 0.8))
         done = np.argwhere(part)[found.filled]
         rows, columns = done[:, 0], done[:, 1]
         self.image[rows, columns] = found.colours[found.filled]

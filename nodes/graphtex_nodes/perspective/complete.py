@@ -12,6 +12,14 @@ Array = NDArray[Any]
 Box = tuple[slice, slice]
 
 LEAST_REACH = 64  # pixels around a small hole
+PIECES = ("join_kernels",)
+WINDOWS = (
+    "window_kernels",
+    "search_kernels",
+    "vote_kernels",
+    "cut_kernels",
+    "seam_kernels",
+)  # needed where pieces leave a rest, too
 BLOCK = 16  # pixels; parts of a hole that are four or more such blocks apart are filled each on its own
 
 
@@ -120,7 +128,7 @@ def complete(
     if hole.any() and not usable.any():
         raise ValueError(f"source: expected some pixels outside the hole, got none in shape {hole.shape}")
 
-    announce(ctx, "window_kernels", "search_kernels", "vote_kernels", "cut_kernels", "seam_kernels")
+    announce(ctx, *(PIECES if method == "pieces" else WINDOWS))
     from graphtex_nodes.numerics.problem import Settings
     from graphtex_nodes.perspective._canvas import Canvas
 
@@ -143,6 +151,7 @@ def complete(
         if method == "pieces":
             rest = canvas.put_pieces(part, sight, scale_weight > 0, work)
         if rest.any():
+            announce(ctx, *WINDOWS)
             canvas.put_windows(part, rest, box, taken, scale_weight, plan, rng, work)
     return Completion(canvas.image, canvas.scales, canvas.places)
 

@@ -22,7 +22,7 @@ def test_two_labels_are_the_optimum(seed):
     """Against all labellings of four nodes."""
     rng = np.random.default_rng(seed)
     unary, pairwise = rng.random((2, 4)), potts(rng.random(5))
-    found = expand(unary, FIRST, SECOND, pairwise, np.zeros(4, int), Context())
+    found = expand(unary, FIRST, SECOND, pairwise, np.zeros(4, int), 3, Context())
     best = min(cost(unary, pairwise, np.array(labels)) for labels in product(range(2), repeat=4))
     assert cost(unary, pairwise, found) == pytest.approx(best)
 
@@ -36,7 +36,7 @@ def test_no_expansion_lowers_the_cost(seed):
     def pairwise(one, other):
         return scale * abs(places[one] - places[other])
 
-    found = expand(unary, FIRST, SECOND, pairwise, np.argmin(unary, axis=0), Context())
+    found = expand(unary, FIRST, SECOND, pairwise, np.argmin(unary, axis=0), 3, Context())
     reached = cost(unary, pairwise, found)
     for label, taken in product(range(5), product([False, True], repeat=4)):
         assert cost(unary, pairwise, np.where(taken, label, found)) >= reached - 1e-6
@@ -44,4 +44,4 @@ def test_no_expansion_lowers_the_cost(seed):
 
 def test_strong_edges_make_one_label():
     unary = np.array([[0.0, 1, 1, 0], [1, 0, 0, 0.5]])
-    assert expand(unary, FIRST, SECOND, potts(np.full(5, 9.0)), np.zeros(4, int), Context()).tolist() == [1, 1, 1, 1]
+    assert expand(unary, FIRST, SECOND, potts(np.full(5, 9.0)), np.zeros(4, int), 3, Context()).tolist() == [1, 1, 1, 1]

@@ -42,7 +42,7 @@ def test_finer_move_takes_from_the_same_place():
     """Pixel i of the smaller picture has its centre at 2 i + 1/2 of the larger one."""
     coarse = Move(TILTED, 2, -1)
     rows, columns, _ = coarse.sources(*PLACES)
-    fine_rows, fine_columns, _ = coarse.finer().sources(*(2 * place + 0.5 for place in PLACES))
+    fine_rows, fine_columns, _ = coarse.halved(-1).sources(*(2 * place + 0.5 for place in PLACES))
     np.testing.assert_allclose(fine_rows, 2 * rows + 0.5)
     np.testing.assert_allclose(fine_columns, 2 * columns + 0.5)
 

@@ -13,6 +13,7 @@ from graphtex_nodes.perspective.complete import complete
 from tests.nodes.perspective.holes import KINDS, hole_of
 
 QUIET = Context(threads=1)
+HOLE = sample_mask(name="hole")
 RNG = np.random.default_rng(3)
 NOISE = RNG.random((40, 50, 3)).astype(np.float32)
 ROW, COLUMN = np.mgrid[:40, :50]
@@ -32,30 +33,39 @@ def size_error(scale, result, hole):
     return np.abs(shown - np.log2(scale[hole])).mean()
 
 
-@pytest.mark.parametrize("kind", ["pebbles", "paving"])
-@pytest.mark.parametrize("given", [False, True])
-@pytest.mark.parametrize("method", ["pieces", "windows"])
+@cache
+def completed(kind, given, method, weight=0.75):
+    photo, scale = plane(kind)
+    return complete(photo, HOLE, scale if given else None, method=method, scale_weight=weight, ctx=QUIET)
+
+
+@pytest.mark.parametrize(
+    ("kind", "given", "method"),
+    [
+        ("pebbles", False, "pieces"),
+        ("pebbles", True, "pieces"),
+        ("paving", False, "pieces"),
+        ("pebbles", False, "windows"),
+        ("paving", True, "windows"),
+    ],
+)
 def test_elements_in_the_hole_have_the_right_size(kind, given, method):
     """Within 10 %, with the scale map measured around the hole too; windows without a scale are off by over 25 %."""
     photo, scale = plane(kind)
-    hole = sample_mask(name="hole")
-    result = complete(photo, hole, scale if given else None, method=method, ctx=QUIET)
-    assert size_error(scale, result, hole) < np.log2(1.1)
-    assert np.corrcoef(result.scale[hole], scale[hole])[0, 1] > 0.95
-    np.testing.assert_array_equal(result.image[~hole], photo[~hole])
-    if method == "windows" and not given:
-        plain = complete(photo, hole, method=method, scale_weight=0.0, ctx=QUIET)
-        assert size_error(scale, plain, hole) > np.log2(1.25)
+    result = completed(kind, given, method)
+    assert size_error(scale, result, HOLE) < np.log2(1.1)
+    assert np.corrcoef(result.scale[HOLE], scale[HOLE])[0, 1] > 0.95
+    np.testing.assert_array_equal(result.image[~HOLE], photo[~HOLE])
+    if method == "windows":
+        assert size_error(scale, completed(kind, given, method, 0.0), HOLE) > np.log2(1.25)
 
 
 def test_seam_does_not_show():
     """Steps over the hole's border are like those elsewhere."""
-    photo, scale = plane("pebbles")
-    hole = sample_mask(name="hole")
-    image = complete(photo, hole, scale, ctx=QUIET).image
+    image = completed("pebbles", True, "pieces").image
     down = np.abs(np.diff(image, axis=0)).mean(axis=2)
-    border = hole[1:] != hole[:-1]
-    assert down[border].mean() < 1.2 * down[~hole[1:] & ~border].mean()
+    border = HOLE[1:] != HOLE[:-1]
+    assert down[border].mean() < 1.2 * down[~HOLE[1:] & ~border].mean()
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -139,7 +149,7 @@ def test_periodic_picture_is_restored():
 @pytest.mark.parametrize("largest", [150_000, 8_000])
 def test_pieces_are_cut_on_several_levels(largest, monkeypatch):
     """From a picture of a quarter of the sides up, moves stay right to the pixel."""
-    monkeypatch.setattr("graphtex_nodes.perspective._canvas.MATCHED", largest)
+    monkeypatch.setattr("graphtex_nodes.numerics.hole_pieces.SEARCHED", largest)
     tile = np.random.default_rng(2).random((20, 28, 1)).astype(np.float32).repeat(4, axis=0).repeat(4, axis=1)
     photo = np.tile(tile, (4, 3, 1))
     hole = np.zeros(photo.shape[:2], bool)
