@@ -112,8 +112,10 @@ def load_elements(*, path: File) -> Elements:
 def _table(path: Path, columns: tuple[str, ...]) -> NDArray[np.float64]:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path}: cannot be read as text: {error}") from error
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: no text in UTF-8") from error
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror}") from error
     rows = []
     for number, line in enumerate(lines, 1):
         cells = [cell.strip() for cell in line.split(",")]
@@ -161,7 +163,9 @@ def _load_npz(path: Path, kinds: dict[str, str]) -> dict[str, NDArray[Any]]:
             for key in kinds:
                 with archive.open(f"{key}.npy") as file:
                     found[key] = np.lib.format.read_array(file, allow_pickle=False)
-    except (OSError, ValueError, EOFError, SyntaxError, TokenError, zipfile.BadZipFile, zlib.error) as error:
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except (ValueError, EOFError, SyntaxError, TokenError, zipfile.BadZipFile, zlib.error) as error:
         raise ValueError(f"{path}: not such an archive, or damaged: {error}") from error
     for key, kind in kinds.items():
         if found[key].dtype.kind != kind:

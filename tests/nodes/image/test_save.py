@@ -378,3 +378,14 @@ outputs:
     (problem,) = caught.value.problems
     assert (problem.line, problem.column) == (8, line.index("‸") + 1)
     assert problem.message.startswith(told)
+
+
+@pytest.mark.parametrize("load", [load_points, load_elements, load_texture, load_view_stack])
+def test_tables_and_archives_that_cannot_be_read_are_told_in_one_line(tmp_path, load):
+    for path, told in ((tmp_path, "Is a directory"), (tmp_path / "none", "No such file or directory")):
+        with pytest.raises(ValueError) as caught:
+            load(path=str(path))
+        assert str(caught.value) == f"{path}: cannot be read: {told}"
+    (tmp_path / "latin.csv").write_bytes(b"x,y\n1,2 \xfc\n")
+    with pytest.raises(ValueError, match=r"latin\.csv: (no text in UTF-8|not such an archive)"):
+        load(path=str(tmp_path / "latin.csv"))
