@@ -72,10 +72,10 @@ def most_levels(shape: Sequence[int]) -> int:
 def stages(shape: Sequence[int], levels: int, windows: Sequence[int], iterations: int) -> list[Stage]:
     """What to do in order: levels from coarse to fine, on each the windows from large to small.
 
-    Without ``windows`` they are those of :data:`WINDOW`. The finest level has ``iterations``, the next one more and
-    coarser ones two more for each level, at most 12: there they cost little, and lattices need them. A level's windows
-    share them. The finest level uses the smallest window alone. A window is at most half the exemplar's smaller side
-    on its level.
+    Without ``windows`` they are those of :data:`WINDOW`. The finest level has half of the ``iterations``: pieces are
+    cut anew after it, which makes up for more. The next one has one more than ``iterations`` and coarser ones two more
+    for each level, at most 12: there they cost little, and lattices need them. A level's windows share them. The finest
+    level uses the smallest window alone. A window is at most half the exemplar's smaller side on its level.
     """
     result = []
     for level in range(levels - 1, -1, -1):
@@ -83,9 +83,9 @@ def stages(shape: Sequence[int], levels: int, windows: Sequence[int], iterations
         largest = max(side // 2, min(side, SMALLEST))
         chosen = windows or ((2 * WINDOW, WINDOW) if level == levels - 1 else (WINDOW,))
         sizes = sorted({min(window, largest) for window in chosen}, reverse=True)
-        if level == 0 and levels > 1:
-            sizes = sizes[-1:]
         count = min(max(12, iterations), iterations + level * min(level, 2))
+        if level == 0 and levels > 1:
+            sizes, count = sizes[-1:], -(-count // 2)
         result += [Stage(level, size, -(-count // len(sizes))) for size in sizes]
     return result
 

@@ -14,11 +14,14 @@ from graphtex_nodes.numerics.seam_neighbours import RADIUS
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 
-PULL, JOIN, BUSY = 0.05, 0.1, 0.3
-"""See :class:`Costs`; the latter two in units of the exemplar's variance."""
-GUIDED_PULL, GUIDE_PULL = 0.02, 1.0
-"""With a guide, of colours and of the guide itself: where scales change, the wanted image is a mean of elements that do
-not fit each other, and their scales are all that it tells."""
+PULL, JOIN, BUSY = (0.15, 0.02), (0.03, 0.1), 0.3
+"""See :class:`Costs`; the latter two in units of the exemplar's variance. The first of each pair is the rule. The
+second is for guided synthesis of elements with outlines: where scales change, the wanted image is a mean of elements
+that do not fit each other, while grain and ripples have a mean that does."""
+GUIDE_PULL = 1.0
+GRAIN, OUTLINES = 5.0, 7.0
+"""Kurtosis of the steps between neighbouring pixels up to which an exemplar is grain, and from which it has outlines.
+Sand has 4, grass and stone 4 to 6, generated bricks and cloth 8, pebbles 12, coins 17."""
 PASSES = 10
 
 
@@ -41,9 +44,10 @@ def finish(problem: Problem, result: Result, *, fade: bool, work: Work) -> tuple
             values = values.take(np.arange(-more, side + more) % side, axis) if more else values
         return values
 
-    pull = np.full(exemplar.shape[2], PULL if problem.guide is None else GUIDED_PULL, np.float32)
-    pull[colours:] = GUIDE_PULL
-    costs = Costs(pull, JOIN * variance, BUSY * variance)
+    share = 0.0 if problem.guide is None else outlined(problem.exemplar)
+    pull, join = (float(first ** (1 - share) * second**share) for first, second in (PULL, JOIN))
+    pulls = np.where(np.arange(exemplar.shape[2]) < colours, pull, GUIDE_PULL).astype(np.float32)
+    costs = Costs(pulls, join * variance, BUSY * variance)
     source = recut(exemplar, usable, result.image, result.source, costs, work, problem.wrap)
     source = move_seams(exemplar, usable, around(result.image), around(source), costs, PASSES, work)[inside]
     if fade:
@@ -56,6 +60,18 @@ def finish(problem: Problem, result: Result, *, fade: bool, work: Work) -> tuple
         if fade:
             image = membrane.join_known(image, source, problem.exemplar, may, problem.wrap, work)
     return image, source
+
+
+def outlined(picture: Array) -> float:
+    """Whether a picture (h, w, c) is grain, 0, or has elements with outlines, 1: few steps are large, the rest small.
+
+    Told by the kurtosis of the steps between neighbouring pixels.
+    """
+    steps = [(np.diff(picture, axis=axis) ** 2).sum(axis=-1).ravel() for axis in (0, 1)]
+    squared = np.concatenate(steps).astype(np.float64)
+    mean = float(squared.mean()) if squared.size else 0.0
+    kurtosis = float((squared**2).mean()) / mean**2 if mean > 0 else 0.0
+    return float(np.interp(kurtosis, (GRAIN, OUTLINES), (0, 1)))
 
 
 def move_seams(

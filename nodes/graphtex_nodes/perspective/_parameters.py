@@ -18,7 +18,7 @@ Windows = Annotated[
     tuple[Annotated[int, Field(ge=2, le=64)], ...],
     Field(max_length=4, description="sides of the windows in pixels; none chooses"),
 ]
-Iterations = Annotated[int, Field(ge=1, le=50, description="iterations on the finest level; coarser ones have more")]
+Iterations = Annotated[int, Field(ge=1, le=50, description="twice those on the finest level; coarser ones have more")]
 ScaleWeight = Annotated[
     float, Field(ge=0, le=10, description="standard deviation of the scale channel over that of the colours; 0 = plain")
 ]

@@ -52,7 +52,7 @@ def complete(
     scale_weight: Annotated[
         float, Field(ge=0, le=10, description="windows: deviation of the scale over that of the colours; 0 = no scale")
     ] = 0.75,
-    iterations: Annotated[int, Field(ge=1, le=50, description="windows: iterations on the finest level")] = 4,
+    iterations: Annotated[int, Field(ge=1, le=50, description="windows: twice the iterations on the finest level")] = 4,
     histogram: Annotated[
         float, Field(ge=0, le=100, description="windows: strength of histogram matching; 0 = none")
     ] = 0.0,

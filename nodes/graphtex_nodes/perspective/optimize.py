@@ -130,15 +130,17 @@ def optimize(
         ``fixed`` keeps the output's scale channel at the target. ``free`` synthesises it with the colours, as the paper
         is printed: a target then only rules the start.
     vote
-        What becomes of the last search. ``blend`` takes for each pixel the source that most windows agree on, moves
-        seams between pieces to where they agree, and lets pieces fade into each other over five pixels. ``discrete``
-        leaves the fading out: the source map replays exactly. ``mean`` is the paper's weighted mean.
+        What becomes of the last search. ``blend`` takes for each pixel the source that most windows agree on, lets
+        large pieces take over the scraps between them along minimum cuts, and pieces fade into each other over five
+        pixels. ``discrete`` leaves the fading out: the source map replays exactly. ``mean`` is the paper's weighted
+        mean.
     levels, windows
         By themselves: as many levels as leave 16 pixels of the exemplar's smaller side, less where a period would no
         longer be seen and where pixels are related over short distances only; windows of 8 pixels, on the coarsest
         level before them of 16.
     iterations
-        On the finest level; the next one has one more, coarser ones two more for each level, at most 12.
+        Half of them are on the finest level; the next one has one more than these, coarser ones two more for each
+        level, at most 12.
     exponent, histogram, evenness, variance, detail
         r of the energy; gain of histogram matching; charge for windows used more often than others of their scale, in
         mean distances; share of variance that PCA keeps, for colours and scale apart; how far its components of colour

@@ -1,8 +1,10 @@
 import numpy as np
+import pytest
 
 from graphtex import Context
+from graphtex_nodes.image.exemplars.sample import sample
 from graphtex_nodes.numerics.recut import Costs
-from graphtex_nodes.numerics.seams import fade_seams, move_seams
+from graphtex_nodes.numerics.seams import fade_seams, move_seams, outlined
 from graphtex_nodes.numerics.sources import coherence
 
 RNG = np.random.default_rng(2)
@@ -78,3 +80,14 @@ def test_fading_leaves_out_what_cannot_be_continued():
     image = fade_seams(exemplar, USABLE, source, radius=2, channels=3, work=Context())
     np.testing.assert_allclose(image[:, :10], exemplar[:, 20:30], atol=1e-6)
     assert np.abs(image[:, 10] - exemplar[:, 0]).max() > 0.01
+
+
+@pytest.mark.parametrize(("name", "share"), [("sand", 0), ("pebbles", 1), ("bricks", 1), ("flowers", 1)])
+def test_elements_have_outlines_and_grain_has_none(name, share):
+    picture = sample(name=name)
+    assert outlined(picture) == share
+    assert outlined(3 * picture[::-1]) == share
+
+
+def test_nothing_has_no_outlines():
+    assert outlined(np.zeros((1, 1, 3), np.float32)) == outlined(np.ones((9, 9, 1), np.float32)) == 0

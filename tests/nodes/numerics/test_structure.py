@@ -47,7 +47,7 @@ def test_most_levels():
 
 def test_stages_by_hand():
     plan = stages((64, 200), 3, (16, 8), 4)
-    assert [(s.level, s.window, s.iterations) for s in plan] == [(2, 8, 8), (1, 16, 3), (1, 8, 3), (0, 8, 4)]
+    assert [(s.level, s.window, s.iterations) for s in plan] == [(2, 8, 8), (1, 16, 3), (1, 8, 3), (0, 8, 2)]
 
 
 def test_eased_stages():
@@ -60,7 +60,7 @@ def test_eased_stages():
 def test_automatic_windows():
     """Twice as large ones on the coarsest level alone."""
     plan = stages((64, 200), 2, (), 4)
-    assert [(s.level, s.window, s.iterations) for s in plan] == [(1, 16, 3), (1, 8, 3), (0, 8, 4)]
+    assert [(s.level, s.window, s.iterations) for s in plan] == [(1, 16, 3), (1, 8, 3), (0, 8, 2)]
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (3, 50), (17, 9)])
