@@ -77,21 +77,33 @@ def _recut(
     """One turn of :func:`recut`; blocks along borders that are ``held`` stay."""
     known = source[..., 0] < 0
     pieces, unknown = _blocks(source, known, SIDES[0][0])
+    before = pieces.copy()
     for number, (side, step, reach) in enumerate(SIDES):
         if number > 0:
             finer = SIDES[number - 1][0] // side
-            pieces = _enlarged(pieces, finer, [-(-count // side) for count in known.shape])
-            unknown = _enlarged(unknown, finer, pieces.shape[:2])
+            size = [-(-count // side) for count in known.shape]
+            pieces, before, unknown = (_enlarged(part, finer, size) for part in (pieces, before, unknown))
         free = unknown.copy() if number == 0 else unknown & _near_seams(pieces, reach // side)
         for axis, holds in enumerate(held):
             if holds:
                 free.swapaxes(0, axis)[[0, -1]] = False
         _grow(exemplar, usable, image, known, pieces, free, (side, step, reach), costs, work)
+    # between scraps that nothing took over seams stay where they were to the pixel
+    labels = _labels(pieces)
+    settled = np.bincount(labels.ravel())[labels] >= LEAST // SIDES[-1][0] ** 2
+    settled |= (pieces[..., 0] != before[..., 0]) | (pieces[..., 1] != before[..., 1])
     result = source.copy()
     places = [np.arange(count, dtype=np.int32) for count in known.shape]
     down, right = (_enlarged(pieces[..., axis], SIDES[-1][0], known.shape) for axis in (0, 1))
     rows, columns = down + places[0][:, None], right + places[1]
-    fits = ~known & (rows >= 0) & (rows < usable.shape[0]) & (columns >= 0) & (columns < usable.shape[1])
+    fits = (
+        ~known
+        & _enlarged(settled, SIDES[-1][0], known.shape)
+        & (rows >= 0)
+        & (rows < usable.shape[0])
+        & (columns >= 0)
+        & (columns < usable.shape[1])
+    )
     fits[fits] = usable[rows[fits], columns[fits]] != 0
     np.copyto(result[..., 0], rows, where=fits)
     np.copyto(result[..., 1], columns, where=fits)
@@ -180,29 +192,36 @@ def _near_seams(pieces: Field, reach: int) -> Flags:
     return near
 
 
+def _labels(pieces: Field) -> NDArray[np.int32]:
+    """Number of the piece that each block (rows, columns) of shifts belongs to: what hangs together has one."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    index = np.arange(pieces[..., 0].size).reshape(pieces.shape[:2])
+    code = pieces[..., 0].astype(np.int64) << 32 | (pieces[..., 1].astype(np.int64) & 0xFFFFFFFF)
+    down, right = code[1:] == code[:-1], code[:, 1:] == code[:, :-1]
+    ends = np.append(index[1:][down], index[:, 1:][right]), np.append(index[:-1][down], index[:, :-1][right])
+    graph = coo_array((np.ones(len(ends[0]), np.int8), ends), shape=(index.size, index.size))
+    labels: NDArray[np.int32] = connected_components(graph, directed=False)[1].reshape(index.shape)
+    return labels
+
+
 def _largest(pieces: Field, least: int, reach: int) -> Iterator[tuple[list[int], tuple[int, int, int, int]]]:
     """Shifts of the pieces of at least so many blocks, the largest first, and a box of blocks ``reach`` around each.
 
     Pieces may change between one and the next: one that was taken over has lost its turn to what is in its place.
     """
     from scipy.ndimage import find_objects
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
 
     rows, columns = pieces.shape[:2]
-    index = np.arange(rows * columns).reshape(rows, columns)
-    code = pieces[..., 0].astype(np.int64) << 32 | (pieces[..., 1].astype(np.int64) & 0xFFFFFFFF)
-    down, right = code[1:] == code[:-1], code[:, 1:] == code[:, :-1]
-    ends = np.append(index[1:][down], index[:, 1:][right]), np.append(index[:-1][down], index[:, :-1][right])
-    graph = coo_array((np.ones(len(ends[0]), np.int8), ends), shape=(index.size, index.size))
-    labels = connected_components(graph, directed=False)[1].reshape(rows, columns)
+    labels = _labels(pieces)
     area = np.bincount(labels.ravel())
     order = np.argsort(-area, kind="stable")
     order = order[: np.count_nonzero(area >= least)]
     place = np.zeros(area.size, np.intp)
     place[order] = np.arange(1, order.size + 1)
     first = np.empty(area.size, np.intp)
-    first[labels.ravel()[::-1]] = index.ravel()[::-1]  # of all that are written to one place the last stays
+    first[labels.ravel()[::-1]] = np.arange(labels.size)[::-1]  # of all that are written to one place the last stays
     present = pieces.reshape(-1, 2)
     for number, (down, right) in zip(order, find_objects(place[labels]), strict=True):
         yield present[first[number]].tolist(), (

@@ -116,3 +116,13 @@ def test_any_size(size, wrap):
         Costs(np.ones(1, np.float32), 0.1, 1.0), Context(), wrap,
     )  # fmt: skip
     np.testing.assert_array_equal(found, source)
+
+
+def test_scraps_that_nothing_takes_over_stay():
+    """Where there is no large piece, seams stay as they are to the pixel."""
+    exemplar = RNG.random((40, 40, 2)).astype(np.float32)
+    corners = RNG.integers(0, 34, (10, 10, 2)).repeat(5, axis=0).repeat(5, axis=1)
+    source = (corners + np.stack(np.mgrid[:50, :50], axis=-1) % 5).astype(np.int32)
+    image = np.zeros((50, 50, 2), np.float32)
+    found = recut(exemplar, np.ones((40, 40), np.uint8), image, source, EVEN, Context())
+    np.testing.assert_array_equal(found, source)
