@@ -140,7 +140,7 @@ def test_scales_that_are_lacking_are_made_by_resampling():
         result = optimize(NOISE, SCALE, target, resample=resample, ctx=ctx)
     assert len(told) == 1
     assert re.search(r"50% of the output asks for scales that the exemplar lacks \(it has 0.5 to 2\)", told[0])
-    assert (result.source[-8:, :, 3] > 0).mean() > 0.9
+    assert (result.source[-8:, :, 3] > 0).mean() > 0.8
 
 
 def test_constant_scale_warns_and_is_plain():
