@@ -1,4 +1,4 @@
-"""Where the output lies on the canvas of a level, and what the canvas holds around it."""
+"""Where the output lies on the canvas of a level, what the canvas holds around it, and how sources get to the next."""
 
 from dataclasses import dataclass
 from math import gcd
@@ -105,3 +105,47 @@ def nearest_places(allowed: NDArray[np.bool_]) -> NDArray[np.int32]:
 
     nearest = distance_transform_edt(~allowed, return_distances=False, return_indices=True)
     return np.ascontiguousarray(np.moveaxis(nearest, 0, -1), np.int32)
+
+
+def transfer(
+    field: NDArray[np.int32], old: Frame, new: Frame, factor: int, shape: tuple[int, ...]
+) -> NDArray[np.int32]:
+    """The field of another grid over the same canvas, or over one ``factor`` times as fine.
+
+    Each new window takes the source of the old window with the nearest centre, shifted by the distance of their
+    corners; sources are moved into ``shape``, rows and columns of the exemplar's windows. Where the output wraps around
+    and periods do not fit, places are stretched from period to period, so that there is no jump at the border.
+    """
+    places = []
+    for axis, (count, size) in enumerate(
+        ((new.grid.rows, old.grid.rows), (new.grid.columns, old.grid.columns))
+    ):  # fmt: skip
+        stretch = new.periods[axis] / old.periods[axis] if old.periods[axis] else factor
+        centre = np.arange(count) * new.grid.step + new.grid.window / 2 - new.margins[axis]
+        corner = centre / stretch - old.grid.window / 2 + old.margins[axis]
+        nearest = np.clip(np.rint(corner / old.grid.step), 0, size - 1).astype(np.int64)
+        middle = nearest * old.grid.step + old.grid.window / 2 - old.margins[axis]
+        apart = centre - stretch * middle + (factor * old.grid.window - new.grid.window) / 2
+        places.append((nearest, np.rint(apart).astype(np.int64)))
+    (rows, down), (columns, right) = places
+    result = factor * field[np.ix_(rows, columns)].astype(np.int64)
+    result[..., 0] += down[:, None]
+    result[..., 1] += right[None, :]
+    return np.clip(result, 0, np.array(shape) - 1).astype(np.int32)
+
+
+def replayed(
+    source: NDArray[np.int32], factor: int, size: tuple[int, int], shape: tuple[int, ...]
+) -> NDArray[np.int32]:
+    """Source map (h, w, 2) of ``size`` from one of a level ``factor`` times as coarse; sources are inside ``shape``.
+
+    Each pixel becomes the square of pixels of the exemplar that it stands for.
+    """
+    if factor == 1:
+        return source
+    result = np.empty((*size, 2), np.int32)
+    for axis in (0, 1):
+        coarse = (factor * source[..., axis]).repeat(factor, axis=0).repeat(factor, axis=1)[: size[0], : size[1]]
+        place = np.arange(size[axis], dtype=np.int32) % factor
+        np.minimum(coarse + (place[:, None] if axis == 0 else place), shape[axis] - 1, out=result[..., axis])
+    return result

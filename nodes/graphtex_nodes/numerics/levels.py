@@ -110,11 +110,12 @@ def plan(
     return fitting(result, masks)
 
 
-def eased(stages: Sequence[Stage], divisor: int, *, finest: bool = True) -> list[Stage]:
-    """The stages with their iterations divided, rounded up; without ``finest`` the finest level has none if it can."""
+def eased(stages: Sequence[Stage], divisor: int, idle: int = 0) -> list[Stage]:
+    """The stages with their iterations divided, rounded up; the ``idle`` finest levels but the coarsest have none."""
+    idle = min(idle, stages[0].level)
     return [
-        Stage(stage.level, stage.window, -(-stage.iterations // divisor) if finest or number == 0 or stage.level else 0)
-        for number, stage in enumerate(stages)
+        Stage(stage.level, stage.window, 0 if stage.level < idle else -(-stage.iterations // divisor))
+        for stage in stages
     ]
 
 

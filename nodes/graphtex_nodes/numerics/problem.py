@@ -34,6 +34,9 @@ class Settings:
         Whether the guide's channels share principal components with the colours.
     weights
         How much differences in each channel of the exemplar count; none = all alike.
+    replay
+        Whether levels at the end of the plan that have no iterations just show the pixels behind what was found before
+        them. Only for a problem that is plain.
     """
 
     exponent: float = 0.8
@@ -45,6 +48,7 @@ class Settings:
     falloff: float = 1.0
     joint: bool = False
     weights: tuple[float, ...] = ()
+    replay: bool = False
 
 
 @dataclass(frozen=True)
@@ -98,6 +102,11 @@ class Problem:
         return self.exemplar if self.guide is None else np.dstack([self.exemplar, self.guide])
 
     @property
+    def plain(self) -> bool:
+        """Whether all of the exemplar may be copied, and all of the output is asked for and does not wrap around."""
+        return self.usable is None and self.known is None and not any(self.wrap)
+
+    @property
     def bounded(self) -> bool:
         """Whether all pixels along the output's border are known."""
         known = self.known
@@ -113,7 +122,8 @@ class Result:
     Attributes
     ----------
     image
-        Weighted mean of the last vote (h, w, c), with the guide's channel where there is one.
+        Weighted mean of the last vote (h, w, c), with the guide's channel where there is one. After a replay it is as
+        small as on the level of that vote.
     source
         Row and column of the exemplar for each pixel, int32 (h, w, 2); negative for known pixels.
     energies

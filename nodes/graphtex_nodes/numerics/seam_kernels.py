@@ -119,35 +119,55 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
     radius = falloff.shape[0] // 2
     channels = image.shape[2]
     near = np.zeros(width + 2 * radius, np.uint8)
+    close = np.zeros(width, np.uint8)
+    piece_y = np.empty(falloff.size, np.int64)
+    piece_x = np.empty(falloff.size, np.int64)
+    support = np.empty(falloff.size, np.float32)
     for y in range(first, stop):
         near[:] = 0
         for line in range(max(0, y - radius), min(height, y + radius + 1)):
             near[radius : radius + width] |= seams[line]
+        close[:] = 0
+        for shift in range(2 * radius + 1):
+            close |= near[shift : shift + width]
         for x in range(width):
             here_y = source[y, x, 0]
             here_x = source[y, x, 1]
-            total = np.float32(0)
-            mixed_pieces = False
             for c in range(channels):
                 image[y, x, c] = 0
             if here_y < 0:
                 continue
-            if not np.any(near[x : x + 2 * radius + 1]):
+            if not close[x]:
                 for c in range(channels):
                     image[y, x, c] = exemplar[here_y, here_x, c]
                 continue
+            count = 1
+            piece_y[0] = here_y
+            piece_x[0] = here_x
+            support[0] = 0
             for down in range(-min(radius, y), min(radius, height - 1 - y) + 1):
                 for right in range(-min(radius, x), min(radius, width - 1 - x) + 1):
                     if source[y + down, x + right, 0] < 0:
                         continue
                     ey = source[y + down, x + right, 0] - down
                     ex = source[y + down, x + right, 1] - right
-                    if not copied(usable, ey, ex):
-                        continue
-                    weight = falloff[down + radius, right + radius]
-                    mixed_pieces |= ey != here_y or ex != here_x
-                    total += weight
-                    for c in range(channels):
-                        image[y, x, c] += weight * exemplar[ey, ex, c]
+                    index = 0
+                    while index < count and (piece_y[index] != ey or piece_x[index] != ex):
+                        index += 1
+                    if index == count:
+                        if not copied(usable, ey, ex):
+                            continue
+                        piece_y[count] = ey
+                        piece_x[count] = ex
+                        support[count] = 0
+                        count += 1
+                    support[index] += falloff[down + radius, right + radius]
+            if count == 1:
+                support[0] = 1  # its own piece alone: a copy, without rounding
+            total = np.float32(0)
+            for index in range(count):
+                total += support[index]
+                for c in range(channels):
+                    image[y, x, c] += support[index] * exemplar[piece_y[index], piece_x[index], c]
             for c in range(channels):
-                image[y, x, c] = image[y, x, c] / total if mixed_pieces else exemplar[here_y, here_x, c]
+                image[y, x, c] /= total

@@ -25,16 +25,20 @@ Sand has 4, grass and stone 4 to 6, generated bricks and cloth 8, pebbles 12, co
 PASSES = 10
 
 
-def finish(problem: Problem, result: Result, *, fade: bool, work: Work) -> tuple[Array, Field]:
-    """Image (h, w, c) and source (h, w, 2) of a synthesis: pieces cut anew, their seams softened if ``fade``.
+def finish(
+    problem: Problem, result: Result, *, fade: bool, work: Work, cut: bool = True, passes: int = PASSES
+) -> tuple[Array, Field]:
+    """Image (h, w, c) and source (h, w, 2) of a synthesis: pieces cut anew if ``cut``, seams softened if ``fade``.
 
+    Between the two, seams move to where they show less, two pixels in each of at most :data:`PASSES` passes.
     Known pixels are those of the start and have negative sources; with ``fade`` pieces are bent to meet them.
     """
     colours = problem.exemplar.shape[2]
     exemplar = np.ascontiguousarray(problem.channels)
     may = np.ones(exemplar.shape[:2], bool) if problem.usable is None else problem.usable
     usable = np.ascontiguousarray(may).view(np.uint8)
-    variance = float(np.var(problem.exemplar[may], axis=0, dtype=np.float64).sum()) or 1.0
+    variance = sum(float(np.var(values[may], dtype=np.float64)) for values in np.moveaxis(problem.exemplar, -1, 0))
+    variance = variance or 1.0
     # an output that wraps around sees the other side as far as a seam can move
     reach = [(2 * PASSES + 2 * RADIUS) * around for around in problem.wrap]
     inside = tuple(slice(more, more + side) for side, more in zip(problem.size, reach, strict=True))
@@ -48,8 +52,11 @@ def finish(problem: Problem, result: Result, *, fade: bool, work: Work) -> tuple
     pull, join = (float(first ** (1 - share) * second**share) for first, second in (PULL, JOIN))
     pulls = np.where(np.arange(exemplar.shape[2]) < colours, pull, GUIDE_PULL).astype(np.float32)
     costs = Costs(pulls, join * variance, BUSY * variance)
-    source = recut(exemplar, usable, result.image, result.source, costs, work, problem.wrap)
-    source = move_seams(exemplar, usable, around(result.image), around(source), costs, PASSES, work)[inside]
+    source = result.source
+    if cut:
+        source = recut(exemplar, usable, result.image, source, costs, work, problem.wrap)
+    if passes:
+        source = move_seams(exemplar, usable, around(result.image), around(source), costs, passes, work)[inside]
     if fade:
         image = fade_seams(exemplar, usable, around(source), radius=RADIUS, channels=colours, work=work)[inside]
     else:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from graphtex_nodes.numerics.frames import Frame, nearest_places, whole_windows
+from graphtex_nodes.numerics.frames import Frame, nearest_places, replayed, transfer, whole_windows
 from graphtex_nodes.numerics.guidance import random_blocks
 from graphtex_nodes.numerics.histogram import Histograms, usage
 from graphtex_nodes.numerics.levels import Stage
@@ -85,6 +85,8 @@ def synthesise(
     energies: list[float] = []
     before: tuple[Field, Frame, int] | None = None
     for number, stage in enumerate(plan):
+        if before is not None and stage.iterations == 0 and settings.replay:
+            break
         at = stage.level
         level = _open(problem, settings, stage, 0 if problem.bounded else border(plan, at), images[at], work)
         if before is None:
@@ -109,7 +111,8 @@ def synthesise(
         match.field, match.weights, level.exemplar, level.falloff, level.frame.grid.step, level.canvas, work,
         level.known,
     )  # fmt: skip
-    return Result(level.frame.crop(level.canvas), level.frame.crop(source), tuple(energies))
+    source = replayed(level.frame.crop(source), 1 << at, problem.size, problem.exemplar.shape)
+    return Result(level.frame.crop(level.canvas), source, tuple(energies))
 
 
 def _images(problem: Problem, levels: int) -> list[_Images]:
@@ -265,28 +268,3 @@ def border(plan: Sequence[Stage], level: int) -> int:
     repeat the exemplar's layout, and with it a trend of texel sizes that it should not know of.
     """
     return 0 if level == 0 else max(stage.window for stage in plan if stage.level == level)
-
-
-def transfer(field: Field, old: Frame, new: Frame, factor: int, shape: tuple[int, ...]) -> Field:
-    """The field of another grid over the same canvas, or over one ``factor`` times as fine.
-
-    Each new window takes the source of the old window with the nearest centre, shifted by the distance of their
-    corners; sources are moved into ``shape``, rows and columns of the exemplar's windows. Where the output wraps around
-    and periods do not fit, places are stretched from period to period, so that there is no jump at the border.
-    """
-    places = []
-    for axis, (count, size) in enumerate(
-        ((new.grid.rows, old.grid.rows), (new.grid.columns, old.grid.columns))
-    ):  # fmt: skip
-        stretch = new.periods[axis] / old.periods[axis] if old.periods[axis] else factor
-        centre = np.arange(count) * new.grid.step + new.grid.window / 2 - new.margins[axis]
-        corner = centre / stretch - old.grid.window / 2 + old.margins[axis]
-        nearest = np.clip(np.rint(corner / old.grid.step), 0, size - 1).astype(np.int64)
-        middle = nearest * old.grid.step + old.grid.window / 2 - old.margins[axis]
-        apart = centre - stretch * middle + (factor * old.grid.window - new.grid.window) / 2
-        places.append((nearest, np.rint(apart).astype(np.int64)))
-    (rows, down), (columns, right) = places
-    result = factor * field[np.ix_(rows, columns)].astype(np.int64)
-    result[..., 0] += down[:, None]
-    result[..., 1] += right[None, :]
-    return np.clip(result, 0, np.array(shape) - 1).astype(np.int32)

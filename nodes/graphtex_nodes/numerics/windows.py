@@ -11,7 +11,7 @@ from graphtex_nodes.numerics.parallel import Work, for_rows
 
 Array = NDArray[np.float32]
 
-SAMPLES = 2048
+SAMPLES = 1024
 """Windows from which a basis is made."""
 LARGEST_COVARIANCE = 512
 """Rows of a covariance; larger windows are averaged over blocks of pixels, their detail is left to smaller ones."""
@@ -115,9 +115,11 @@ def principal_basis(
     mean = samples.mean(axis=0, dtype=np.float64)
     kept: list[NDArray[np.float64]] = []
     for group, share in groups:
-        part = (samples[:, :, :, group] - mean[:, :, group].astype(np.float32)) * relative[group]
-        part = np.ascontiguousarray(part.reshape(len(part), -1))
-        part = np.pad(part, ((0, -len(part) % 4), (0, 0)))
+        part = np.zeros((-(-len(samples) // 4) * 4, *samples.shape[1:3], len(relative[group])), np.float32)
+        np.subtract(samples[..., group], mean[:, :, group].astype(np.float32), out=part[: len(samples)])
+        if (relative[group] != 1).any():
+            part *= relative[group]
+        part = part.reshape(len(part), -1)
         total = np.zeros((part.shape[1], part.shape[1]))
 
         def band(first: int, stop: int, part: Array = part, total: NDArray[np.float64] = total) -> None:

@@ -1,6 +1,6 @@
 """The parameters of Optimize: types, ranges, and what each says in one line."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -39,7 +39,8 @@ Largest = Annotated[
     float, Field(ge=1, le=4, description="how far copies are enlarged or shrunk where scales are short; 1 = never")
 ]
 Quality = Annotated[
-    Literal["default", "fast", "preview"], Field(description="fast: fewer iterations; preview: fewer still")
+    Literal["default", "fast", "preview"],
+    Field(description="fast: half the time; preview: a tenth, coarse, shows the arrangement"),
 ]
 Components = Annotated[
     Literal["apart", "joint"],
@@ -57,3 +58,24 @@ TurnStep = Annotated[
     float, Field(ge=0, le=90, description="degrees between turned copies of the exemplar; 0 = no such copies")
 ]
 Arrows = Annotated[bool, Field(description="whether opposite directions differ; lines have none")]
+
+
+class Effort(NamedTuple):
+    """What a quality leaves out.
+
+    ``divisor`` of the iterations (rounded up), ``passes`` of a search, ``idle`` finest levels without a search, whether
+    pieces are ``cut`` anew, and in how many ``moves`` seams move.
+    """
+
+    divisor: int
+    passes: int
+    idle: int
+    cut: bool
+    moves: int
+
+
+EFFORT = {
+    "default": Effort(1, 2, 0, cut=True, moves=10),
+    "fast": Effort(2, 1, 0, cut=False, moves=10),
+    "preview": Effort(4, 1, 2, cut=False, moves=0),
+}

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.frames import Frame, nearest_places, whole_windows
+from graphtex_nodes.numerics.frames import Frame, nearest_places, replayed, whole_windows
 
 RNG = np.random.default_rng(6)
 
@@ -64,3 +64,17 @@ def test_nearest_places():
     nearest = nearest_places(allowed)
     assert nearest[0, 1].tolist() == [0, 0]
     assert nearest[3, 3].tolist() == [3, 4]
+
+
+def test_replayed_pixels_are_what_coarse_ones_stand_for():
+    """By hand, for an exemplar of 5 rows: its last coarse row stands for one row alone."""
+    source = np.array([[[2, 0], [0, 1]]], np.int32)
+    expected = [[[4, 0], [4, 1], [0, 2]], [[4, 0], [4, 1], [1, 2]]]
+    np.testing.assert_array_equal(replayed(source, 2, (2, 3), (5, 4, 1)), expected)
+    assert replayed(source, 1, (1, 2), (5, 4, 1)) is source
+
+
+def test_replay_of_a_copy_is_a_copy():
+    places = np.stack(np.mgrid[:7, :9], axis=-1).astype(np.int32)
+    coarse = np.stack(np.mgrid[:2, :3], axis=-1).astype(np.int32)
+    np.testing.assert_array_equal(replayed(coarse, 4, (7, 9), (7, 9, 3)), places)

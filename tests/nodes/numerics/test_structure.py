@@ -53,8 +53,9 @@ def test_stages_by_hand():
 def test_eased_stages():
     plan = [Stage(1, 16, 3), Stage(1, 8, 3), Stage(0, 8, 4)]
     assert [stage.iterations for stage in eased(plan, 2)] == [2, 2, 2]
-    assert [stage.iterations for stage in eased(plan, 4, finest=False)] == [1, 1, 0]
-    assert [stage.iterations for stage in eased(plan[2:], 4, finest=False)] == [1]  # one level alone must search
+    assert [stage.iterations for stage in eased(plan, 4, idle=1)] == [1, 1, 0]
+    assert [stage.iterations for stage in eased(plan, 4, idle=2)] == [1, 1, 0]  # the coarsest level must search
+    assert [stage.iterations for stage in eased(plan[2:], 4, idle=1)] == [1]
 
 
 def test_automatic_windows():

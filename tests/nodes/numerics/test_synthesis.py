@@ -3,10 +3,10 @@ import pytest
 
 from graphtex import Context
 from graphtex_nodes.numerics import parallel
-from graphtex_nodes.numerics.frames import Frame
+from graphtex_nodes.numerics.frames import Frame, transfer
 from graphtex_nodes.numerics.levels import stages
 from graphtex_nodes.numerics.problem import Problem, Settings
-from graphtex_nodes.numerics.synthesis import synthesise, transfer
+from graphtex_nodes.numerics.synthesis import synthesise
 from graphtex_nodes.numerics.windows import Grid
 
 RNG = np.random.default_rng(4)

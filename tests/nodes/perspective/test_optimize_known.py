@@ -175,14 +175,3 @@ def test_mirrored_sources_replay():
     result = optimize(NOISE, mirror=True, vote="discrete", ctx=QUIET)
     assert set(np.unique(result.source[..., 5])) == {0, 1}
     np.testing.assert_array_equal(result.image, NOISE[places(result.source)])
-
-
-def test_quality_leaves_iterations_out():
-    """Progress is told after each iteration: 40 x 48 has stages of 3, 3 and 2, halved, or quartered without the last."""
-    told = {}
-    for quality in ("default", "fast", "preview"):
-        seen = []
-        ctx = Context(threads=1, on_progress=lambda share, text, seen=seen: seen.append(text))
-        optimize(NOISE, quality=quality, ctx=ctx)
-        told[quality] = sum(text.startswith("level") for text in seen)
-    assert told == {"default": 8, "fast": 5, "preview": 2}
