@@ -25,6 +25,9 @@ FEWEST = 3
 SMALLEST = 4
 """Least side that an exemplar may have on the coarsest level when the user asks for more levels."""
 
+FINE = 2
+"""Finest levels: they take most of the time, while coarser ones decide what is where."""
+
 FEW = 64
 """Windows that a partly usable exemplar needs on a level: fewer would all be pasted over and over."""
 LEAST = 8
@@ -110,13 +113,17 @@ def plan(
     return fitting(result, masks)
 
 
-def eased(stages: Sequence[Stage], divisor: int, idle: int = 0) -> list[Stage]:
-    """The stages with their iterations divided, rounded up; the ``idle`` finest levels but the coarsest have none."""
-    idle = min(idle, stages[0].level)
-    return [
-        Stage(stage.level, stage.window, 0 if stage.level < idle else -(-stage.iterations // divisor))
-        for stage in stages
-    ]
+def eased(stages: Sequence[Stage], fine: int, coarse: int) -> list[Stage]:
+    """The stages with their iterations divided, rounded up: by ``fine`` on the :data:`FINE` finest levels.
+
+    With a ``fine`` of 0 these have no iterations, but for the coarsest level.
+    """
+    idle = 0 if fine else min(FINE, stages[0].level)
+    result = []
+    for stage in stages:
+        divisor = fine if fine and stage.level < FINE else coarse
+        result.append(Stage(stage.level, stage.window, 0 if stage.level < idle else -(-stage.iterations // divisor)))
+    return result
 
 
 def fitting(stages: Sequence[Stage], usable: Sequence[NDArray[np.bool_]]) -> list[Stage]:

@@ -63,19 +63,19 @@ Arrows = Annotated[bool, Field(description="whether opposite directions differ; 
 class Effort(NamedTuple):
     """What a quality leaves out.
 
-    ``divisor`` of the iterations (rounded up), ``passes`` of a search, ``idle`` finest levels without a search, whether
-    pieces are ``cut`` anew, and in how many ``moves`` seams move.
+    Divisors of the iterations (rounded up) on the ``fine`` levels (0 = they do not search) and on ``coarse`` ones,
+    ``passes`` of a search, whether pieces are ``cut`` anew, and in how many ``moves`` seams move.
     """
 
-    divisor: int
+    fine: int
+    coarse: int
     passes: int
-    idle: int
     cut: bool
     moves: int
 
 
 EFFORT = {
-    "default": Effort(1, 2, 0, cut=True, moves=10),
-    "fast": Effort(2, 1, 0, cut=False, moves=10),
-    "preview": Effort(4, 1, 2, cut=False, moves=0),
+    "default": Effort(1, 1, 2, cut=True, moves=10),
+    "fast": Effort(2, 1, 1, cut=False, moves=10),
+    "preview": Effort(0, 4, 1, cut=False, moves=0),
 }

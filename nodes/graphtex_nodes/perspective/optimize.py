@@ -163,9 +163,9 @@ def optimize(
         their directions are wanted; each takes as much memory as the exemplar. Without ``arrows`` a copy that stands
         on its head is the same.
     quality
-        ``fast`` halves iterations and the passes of a search and does not cut pieces anew: about half the time.
-        ``preview`` takes a tenth, and is coarse: it leaves a quarter of the iterations and looks for nothing on the two
-        finest levels, where squares of pixels are copied that are as large as a pixel of the level before.
+        ``fast`` halves the passes of a search, and the iterations on the two finest levels, and does not cut pieces
+        anew: about half the time. ``preview`` takes a tenth, and is coarse: it leaves a quarter of the iterations and
+        looks for nothing on the two finest levels, where it copies squares of 4 x 4 pixels.
 
     Returns
     -------
@@ -245,7 +245,7 @@ def optimize(
         ctx.warn(
             f"windows: {max(windows)} is more than half of an exemplar of shape {leader.shape}: it is made smaller"
         )
-    plan = plans.eased(plans.plan(leader, problem.usable, levels, windows, iterations), effort.divisor, effort.idle)
+    plan = plans.eased(plans.plan(leader, problem.usable, levels, windows, iterations), effort.fine, effort.coarse)
     settings = Settings(
         exponent,
         histogram,

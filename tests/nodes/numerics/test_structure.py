@@ -51,11 +51,11 @@ def test_stages_by_hand():
 
 
 def test_eased_stages():
-    plan = [Stage(1, 16, 3), Stage(1, 8, 3), Stage(0, 8, 4)]
-    assert [stage.iterations for stage in eased(plan, 2)] == [2, 2, 2]
-    assert [stage.iterations for stage in eased(plan, 4, idle=1)] == [1, 1, 0]
-    assert [stage.iterations for stage in eased(plan, 4, idle=2)] == [1, 1, 0]  # the coarsest level must search
-    assert [stage.iterations for stage in eased(plan[2:], 4, idle=1)] == [1]
+    plan = [Stage(2, 16, 5), Stage(2, 8, 5), Stage(1, 8, 5), Stage(0, 8, 3)]
+    assert [stage.iterations for stage in eased(plan, 2, 1)] == [5, 5, 3, 2]
+    assert [stage.iterations for stage in eased(plan, 0, 4)] == [2, 2, 0, 0]
+    assert [stage.iterations for stage in eased(plan[2:], 0, 4)] == [2, 0]  # the coarsest level must search
+    assert [stage.iterations for stage in eased(plan[3:], 0, 4)] == [1]
 
 
 def test_automatic_windows():
