@@ -14,7 +14,7 @@ Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
-SIDES = ((4, 2, 40), (2, 1, 6))
+SIDES = ((4, 2, 64), (2, 1, 6))
 """Blocks: their side, every how many pixels costs are looked at, and how far a piece may grow; all in pixels."""
 LEAST = 400
 """Pixels of a piece from which it may grow: smaller ones are scraps, which are there to be taken over."""

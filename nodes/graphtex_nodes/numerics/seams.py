@@ -14,7 +14,7 @@ from graphtex_nodes.numerics.seam_neighbours import RADIUS
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 
-PULL, JOIN, BUSY = (0.15, 0.02), (0.03, 0.1), 0.3
+PULL, JOIN, BUSY = (0.15, 0.015), (0.03, 0.1), 0.3
 """See :class:`Costs`; the latter two in units of the exemplar's variance. The first of each pair is the rule. The
 second is for guided synthesis of elements with outlines: where scales change, the wanted image is a mean of elements
 that do not fit each other, while grain and ripples have a mean that does."""
