@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import cache
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 
 class Work(Protocol):
@@ -55,6 +55,22 @@ class Portion:
         self.work.warn(message)
 
 
+@dataclass(frozen=True)
+class Alone:
+    """One thread that nobody stops or listens to: for what is done :func:`aside`."""
+
+    threads: int = 1
+
+    def check(self) -> None:
+        """Go on."""
+
+    def progress(self, fraction: float, message: str = "") -> None:
+        """Tell nobody."""
+
+    def warn(self, message: str) -> None:
+        """Tell nobody."""
+
+
 SLICE = 3e7
 """Elementary steps in a band: 0.02 to 0.2 s, so that cancelling is quick."""
 BANDS = 4
@@ -96,6 +112,25 @@ def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: W
         for _ in left:
             pass
         wait([other for other in others if not other.cancel()])
+
+
+Result = TypeVar("Result")
+
+
+def aside(task: Callable[[], Result], work: Work) -> Callable[[], Result]:
+    """Let another thread do something while the caller goes on; the function that is returned waits for its result.
+
+    The caller does it then if no thread was free, or there is one only. ``task`` reads nothing that is written
+    meanwhile and takes tenths of a second at most: nobody stops it.
+    """
+    if work.threads < 2:
+        return task
+    future = _pool().submit(task)
+
+    def result() -> Result:
+        return task() if future.cancel() else future.result()
+
+    return result
 
 
 def _take(task: Callable[[int, int], object], left: Iterator[int], band: int, rows: int) -> None:

@@ -1,7 +1,8 @@
 """Texture optimisation over a pyramid (Kwatra et al. 2005; Kopf et al. 2007; Dong et al. 2008, section 4)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from graphtex_nodes.numerics.frames import Frame, nearest_places, replayed, tran
 from graphtex_nodes.numerics.guidance import random_blocks
 from graphtex_nodes.numerics.histogram import Histograms, usage
 from graphtex_nodes.numerics.levels import Stage
-from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics.parallel import Alone, Work, aside
 from graphtex_nodes.numerics.problem import Array, Field, Flags, Problem, Result, Settings
 from graphtex_nodes.numerics.pyramid import masked_pyramid, pyramid
 from graphtex_nodes.numerics.search import EXACT_LIMIT, exact_cost, search_exact, search_warm
@@ -59,6 +60,11 @@ class _Level:
     known: Flags | None
     trust: Array | None
 
+    def pixel_weights(self, gain: float) -> Array:
+        """Weights of the exemplar's pixels in a vote, by what the canvas holds too much of (equation 8)."""
+        counted = None if self.known is None or self.known.all() else ~self.known
+        return self.histograms.pixel_weights(self.canvas, gain, counted)
+
 
 @dataclass(frozen=True)
 class _Match:
@@ -84,11 +90,14 @@ def synthesise(
     done = 0.0
     energies: list[float] = []
     before: tuple[Field, Frame, int] | None = None
+    coming: Callable[[], Basis] = partial(_basis, problem, settings, plan[0], images[levels - 1], work)
     for number, stage in enumerate(plan):
         if before is not None and stage.iterations == 0 and settings.replay:
             break
-        at = stage.level
-        level = _open(problem, settings, stage, 0 if problem.bounded else border(plan, at), images[at], work)
+        at, basis = stage.level, coming()
+        for then in plan[number + 1 : number + 2]:
+            coming = aside(partial(_basis, problem, settings, then, images[then.level], Alone()), work)
+        level = _open(problem, settings, stage, 0 if problem.bounded else border(plan, at), images[at], basis, work)
         if before is None:
             field = _start(level, problem.exemplar.shape[2] if problem.target is not None else 0, rng)
         else:
@@ -98,12 +107,13 @@ def synthesise(
             field = level.nearest[field[..., 0], field[..., 1]]
         match = _Match(field, np.ones(field.shape[:2], np.float32), 0.0, 0.0)
         if before is not None or problem.start is None or problem.known is not None:
-            _vote(level, match, 0.0, work)
+            _vote(level, match, level.pixel_weights(0.0), work)
         for iteration in range(stage.iterations):
             draw = int(np.random.SeedSequence([seed, number, iteration]).generate_state(1, np.uint64)[0])
+            weights = aside(partial(level.pixel_weights, settings.histogram), work)
             match = _search(level, match, settings, draw, number == iteration == 0, work)
             energies.append(match.energy)
-            _vote(level, match, settings.histogram, work)
+            _vote(level, match, weights(), work)
             done += 4.0**-at / total
             work.progress(min(1.0, done), f"level {levels - at} of {levels}")
         before = match.field, level.frame, at
@@ -139,8 +149,22 @@ def _images(problem: Problem, levels: int) -> list[_Images]:
     return [_Images(*level) for level in given]
 
 
+def _basis(problem: Problem, settings: Settings, stage: Stage, given: _Images, work: Work) -> Basis:
+    """Principal components of a stage's windows; none where nothing is looked for, as what was found is copied."""
+    window = stage.window
+    if stage.iterations == 0:
+        return Basis(window, np.zeros((0, 0), np.float32), np.zeros(0, np.float32))
+    colours, channels = problem.exemplar.shape[2], given.exemplar.shape[2]
+    groups = [(slice(0, channels if settings.joint else colours), settings.detail)]
+    if channels > colours and not settings.joint:
+        groups.append((slice(colours, channels), 0.0))
+    weights = [*(settings.weights or [1.0] * colours), *[1.0] * (channels - colours)]
+    allowed = None if given.usable is None else whole_windows(given.usable, window)
+    return principal_basis(given.exemplar, window, groups, settings.variance, work, allowed, weights)
+
+
 def _open(
-    problem: Problem, settings: Settings, stage: Stage, margin: int, given: _Images, work: Work
+    problem: Problem, settings: Settings, stage: Stage, margin: int, given: _Images, basis: Basis, work: Work
 ) -> _Level:  # fmt: skip
     """Prepare a level: components of the exemplar's windows, and a canvas with what is known of the output."""
     exemplar, window = given.exemplar, stage.window
@@ -157,15 +181,9 @@ def _open(
         wanted = ~whole_windows(known, window, frame.grid.step)
         trust = _trust(known, window)[:: frame.grid.step, :: frame.grid.step]
     allowed = None if given.usable is None else whole_windows(given.usable, window)
-    groups = [(slice(0, channels if settings.joint else colours), settings.detail)]
-    if channels > colours and not settings.joint:
-        groups.append((slice(colours, channels), 0.0))
-    weights = [*(settings.weights or [1.0] * colours), *[1.0] * (channels - colours)]
     if stage.iterations:
-        basis = principal_basis(exemplar, window, groups, settings.variance, work, allowed, weights)
         features = basis.project(exemplar, 1, work, allowed)
-    else:  # nothing is looked for: sources of the level before are only copied
-        basis = Basis(window, np.zeros((0, 0), np.float32), np.zeros(0, np.float32))
+    else:
         features = np.zeros((*(side - window + 1 for side in exemplar.shape[:2]), 0), np.float32)
     counted = slice(None) if given.usable is None else given.usable
     return _Level(
@@ -249,10 +267,8 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, first:
     return _Match(field, weights, float(np.mean(squared, dtype=np.float64)), float(energy))
 
 
-def _vote(level: _Level, match: _Match, gain: float, work: Work) -> None:
+def _vote(level: _Level, match: _Match, pixel_weights: Array, work: Work) -> None:
     """Fill the canvas with the weighted mean of what the windows propose (equations 7 and 8)."""
-    counted = None if level.known is None or level.known.all() else ~level.known
-    pixel_weights = level.histograms.pixel_weights(level.canvas, gain, counted)
     vote_mean(
         match.field, match.weights, level.exemplar, pixel_weights, level.falloff, level.frame.grid.step, level.canvas,
         level.voted, work, level.known,

@@ -108,3 +108,24 @@ def test_nothing_is_written_after_the_call():
     with pytest.raises(KeyboardInterrupt):
         parallel.for_rows(task, 50, 1e12, Watch(2, stop_at=2))
     assert not running.is_set()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_aside_gives_what_the_task_gives(threads):
+    results = [parallel.aside(partial(pow, 2, number), Watch(threads)) for number in range(40)]
+    assert [result() for result in results] == [2**number for number in range(40)]
+    with pytest.raises(ZeroDivisionError):
+        parallel.aside(lambda: 1 // 0, Watch(threads))()
+
+
+def test_aside_runs_beside_the_caller():
+    started, go_on = threading.Event(), threading.Event()
+
+    def task():
+        started.set()
+        return go_on.wait(30)
+
+    result = parallel.aside(task, Watch(2))
+    assert started.wait(30)
+    go_on.set()
+    assert result()
