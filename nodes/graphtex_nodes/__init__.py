@@ -35,6 +35,7 @@ from graphtex_nodes.image.load_data import (
 )
 from graphtex_nodes.image.maps import select_map, split_maps, stack_maps
 from graphtex_nodes.image.normals import normals_from_height
+from graphtex_nodes.image.shrink_image import shrink_image
 from graphtex_nodes.perspective.complete import complete
 from graphtex_nodes.perspective.estimate_angles import estimate_angles
 from graphtex_nodes.perspective.exemplar_inpaint import exemplar_inpaint
@@ -144,6 +145,7 @@ __all__ = [
     "select_map",
     "self_similarity",
     "separate_foreground",
+    "shrink_image",
     "split_maps",
     "split_prepared",
     "split_texture",

@@ -9,7 +9,7 @@ import graphtex as gt
 from graphtex.document import Output
 from graphtex.events import Event, Started
 from graphtex.outputs import write_outputs
-from graphtex_nodes import prepare_texture, sample_texture
+from graphtex_nodes import prepare_texture, sample_texture, shrink_image
 from graphtex_nodes.image.save import save_image
 
 FOLDER = Path(__file__).parents[2] / "graphs" / "splicing"
@@ -160,3 +160,14 @@ def test_an_edited_database_is_prepared_anew(tmp_path: Path):
     assert sorted(path.name for path in database.iterdir()) == [
         "oranges.texture", "oranges.texture.old", "overview.png", "tiles.texture",
     ]  # fmt: skip
+
+
+def test_a_large_picture_is_shrunk_to_an_entry():
+    """Points and mask are those of the picture that the entry holds."""
+    picture = sample_texture(name="oranges").image
+    inputs = {"exemplar": picture, "size": 96, "width": 64, "height": 48}
+    made = gt.run(gt.load(FOLDER / "database-entry.yaml"), inputs, only=["texture"], cache=False)["texture"]
+    np.testing.assert_array_equal(made.texture.image, shrink_image(picture, longest=96))
+    assert made.texture.mask.shape == (96, 96)
+    assert (made.extension.width, made.extension.height) == (64, 48)
+    assert 20 <= len(made.texture.points) <= 30  # 25 in the picture

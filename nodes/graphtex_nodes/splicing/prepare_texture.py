@@ -33,7 +33,7 @@ def view_prepared(value: PreparedTexture) -> Bytes:
 
 
 class PreparedParts(NamedTuple):
-    """The parts of a prepared texture, and its picture."""
+    """The parts of a prepared texture, and the window of its picture that splices fill."""
 
     image: Image
     texture: Texture
@@ -61,10 +61,16 @@ def prepare_texture(texture: Texture, *, width: Side = 0, height: Side = 0, ctx:
     Raises
     ------
     ValueError
-        The texture's parts do not fit together, it has no texton, or the window is too large.
+        The texture's parts do not fit together, it has no texton in the window, or the window is too large.
     """
     sides = [min(side, LARGEST_WINDOW) for side in texture.mask.shape]
     extension = extend_texture(texture, width=width or sides[1], height=height or sides[0], ctx=ctx)
+    if len(texture.points) and not len(extension.points):
+        rows, columns = texture.mask.shape
+        raise ValueError(
+            f"texture: expected a window that holds a texton, got none in the middle {extension.width} x "
+            f"{extension.height} pixels of {columns} x {rows}: shrink the picture, or take a larger window"
+        )
     factors = factor_warp(extension, ctx=ctx)
     return PreparedTexture(texture, extension, factors.x, factors.y, neighbour_sets(texture, ctx=ctx))
 
@@ -84,4 +90,6 @@ def split_prepared(
     size = width or own.width, height or own.height
     if size != (own.width, own.height):
         prepared = prepare_texture(prepared.texture, width=size[0], height=size[1], ctx=ctx)
-    return PreparedParts(prepared.texture.image, *prepared)
+    window = prepared.extension
+    rows = slice(window.top, window.top + window.height)
+    return PreparedParts(window.image[rows, window.left : window.left + window.width], *prepared)

@@ -68,9 +68,15 @@ def test_it_is_what_the_three_steps_make():
 
 def test_its_parts_are_those_of_the_window_that_is_asked_for():
     prepared = prepare_texture(EIGHT, width=48, height=40)
-    assert equal(split_prepared(prepared), PreparedParts(EIGHT.image, *prepared))
+    assert equal(split_prepared(prepared), PreparedParts(EIGHT.image[12:52, 8:56], *prepared))
     narrow = prepare_texture(EIGHT, width=40, height=40)
-    assert equal(split_prepared(prepared, width=40), PreparedParts(EIGHT.image, *narrow))
+    assert equal(split_prepared(prepared, width=40), PreparedParts(EIGHT.image[12:52, 12:52], *narrow))
+
+
+def test_a_window_without_an_element_is_told():
+    corner = EIGHT._replace(points=EIGHT.points[:1])
+    with pytest.raises(ValueError, match="got none in the middle 8 x 8 pixels of 64 x 64: shrink the picture"):
+        prepare_texture(corner, width=8, height=8)
 
 
 def test_large_textures_get_a_window_that_can_be_prepared():
