@@ -1,4 +1,4 @@
-"""Histogram matching by re-weighting (Kopf et al. 2007; Dong et al. 2008, equation 8), and even use of the exemplar."""
+"""Histogram matching by re-weighting (Kopf et al. 2007; Dong et al. 2008, equation 8)."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,35 +66,3 @@ def _spacing(pixels: int, width: int) -> int:
     while spacing > 1 and width % spacing == 0:
         spacing += 2
     return spacing
-
-
-def usage(
-    field: NDArray[np.int32], shape: tuple[int, int], radius: int, allowed: NDArray[np.bool_] | None = None
-) -> Array:
-    """How often each exemplar window is used, relative to the mean, averaged over a box of 2 radius + 1 windows.
-
-    ``field`` (..., 2) holds rows and columns below ``shape``. Of windows that are not ``allowed`` (h, w) none counts.
-    """
-    counts = np.bincount((field[..., 0] * shape[1] + field[..., 1]).ravel(), minlength=shape[0] * shape[1])
-    used = counts.reshape(shape) / max(1, counts.sum())
-    if allowed is None:
-        return box_mean(used * counts.size, radius)
-    around = box_mean(allowed.astype(np.float64), radius)
-    relative = box_mean(used * np.count_nonzero(allowed), radius) / np.where(around > 0, around, 1)
-    return relative.astype(np.float32)
-
-
-def box_mean(values: NDArray[np.float64], radius: int) -> Array:
-    """Mean over the part of a (2 radius + 1)-box that lies inside the array (h, w)."""
-    height, width = values.shape
-    padded = np.zeros((height + 2 * radius + 1, width + 2 * radius + 1))
-    padded[radius + 1 : radius + 1 + height, radius + 1 : radius + 1 + width] = values
-    for axis in (0, 1):
-        np.cumsum(padded, axis=axis, out=padded)
-    side = 2 * radius + 1
-    sums = padded[side:, side:] - padded[:-side, side:] - padded[side:, :-side] + padded[:-side, :-side]
-    rows, columns = (
-        np.minimum(np.arange(size) + radius + 1, size) - np.maximum(np.arange(size) - radius, 0)
-        for size in (height, width)
-    )
-    return (sums / np.outer(rows, columns)).astype(np.float32)

@@ -21,7 +21,7 @@ class Settings:
     histogram
         Gain of histogram matching, 0 = none.
     evenness
-        What an exemplar window that is used twice as often as wanted is charged, in mean squared distances.
+        How firmly all parts of the exemplar are used as often as wanted: see ``evenness.charge``; 0 = not at all.
     variance
         Share of the windows' variance that principal components keep.
     detail
@@ -41,7 +41,7 @@ class Settings:
 
     exponent: float = 0.8
     histogram: float = 20.0
-    evenness: float = 1.0
+    evenness: float = 2.0
     variance: float = 0.95
     detail: float = 0.3
     passes: int = 2

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from graphtex_nodes.numerics import evenness
 from graphtex_nodes.numerics.frames import Frame, nearest_places, replayed, transfer, whole_windows
 from graphtex_nodes.numerics.guidance import random_blocks
-from graphtex_nodes.numerics.histogram import Histograms, usage
+from graphtex_nodes.numerics.histogram import Histograms
 from graphtex_nodes.numerics.levels import Stage
 from graphtex_nodes.numerics.parallel import Alone, Work, aside
 from graphtex_nodes.numerics.problem import Array, Field, Flags, Problem, Result, Settings
@@ -237,13 +238,11 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, first:
     """Find the nearest exemplar window for each window of the canvas, and its weight (equation 6)."""
     grid, wanted = level.frame.grid, level.wanted
     windows = level.basis.project(level.canvas, grid.step, work, wanted)
-    shape = level.features.shape[:2]
     chosen = slice(None) if wanted is None else wanted
-    charge = np.zeros(shape, np.float32)
-    if settings.evenness > 0 and before.mean > 0:
-        used = usage(before.field[chosen], (shape[0], shape[1]), grid.window // 2, level.allowed)
-        surplus = used / level.share - 1
-        charge = np.maximum(0, surplus) * np.float32(settings.evenness * before.mean)
+    charge = evenness.charge(
+        windows, level.features, level.share, before.field, before.mean, evenness=settings.evenness,
+        radius=grid.window // 2, allowed=level.allowed, wanted=wanted,
+    )  # fmt: skip
     if level.allowed is not None:
         charge[~level.allowed] = np.inf
     if first or exact_cost(windows, level.features) <= EXACT_LIMIT:

@@ -69,7 +69,7 @@ def optimize(
     iterations: Iterations = 4,
     exponent: Exponent = 0.8,
     histogram: Gain = 20.0,
-    evenness: Evenness = 1.0,
+    evenness: Evenness = 2.0,
     variance: Variance = 0.95,
     detail: Detail = 0.3,
     tileable: Sides = "none",
@@ -141,8 +141,9 @@ def optimize(
         level, at most 12.
     exponent, histogram, evenness, variance, detail
         r of the energy; gain of histogram matching; charge for windows used more often than others of their scale, in
-        mean distances; share of variance that PCA keeps, for colours and scale apart; how far its components of colour
-        are evened, from 0 (plain distances) to 1 (whitened).
+        mean distances (on coarse levels firmness of prices at which all are used evenly); share of variance that PCA
+        keeps, for colours and scale apart; how far its components of colour are evened, from 0 (plain distances) to 1
+        (whitened).
     pca
         ``apart`` keeps the whole of the scale's and direction's main components; ``joint`` is the paper's first form.
     kinds, map_weights
@@ -186,7 +187,8 @@ def optimize(
     Departures from the paper, each because it measured better: the output's scale is held by default; the search is
     PatchMatch from an exact search on the coarsest level; bins of equation 8 are those of pixels and surpluses are
     relative (see ``numerics/histogram.py``); components of colour are partly evened, so that thin lines
-    between large areas count; windows in frequent use are charged, as in Kaspar et al. (2015); five
+    between large areas count; windows in frequent use are charged, as in Kaspar et al. (2015), on coarse levels by the
+    prices of optimal transport (Gutierrez et al. 2017), so that all parts keep their share of the area; five
     levels for 256 pixels instead of three; the final image is not the mean, which smudges seams.
 
     The result depends on the inputs, the parameters and the seed only, not on the number of threads.

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.histogram import BINS, SEEN_PIXELS, Histograms, box_mean, usage
+from graphtex_nodes.numerics.histogram import BINS, SEEN_PIXELS, Histograms
 
 
 def test_weights_by_hand():
@@ -27,19 +27,6 @@ def test_without_gain_or_without_variation():
     assert (Histograms(exemplar, ones).pixel_weights(exemplar, 8.0) == 1).all()
     exemplar = np.random.default_rng(0).random((3, 3, 1)).astype(np.float32)
     assert (Histograms(exemplar, ones).pixel_weights(exemplar * 0, 0.0) == 1).all()
-
-
-def test_box_mean_by_hand():
-    values = np.array([[3.0, 0.0, 6.0]])
-    np.testing.assert_allclose(box_mean(values, 1), [[1.5, 3.0, 3.0]])
-    np.testing.assert_allclose(box_mean(values.T, 1), [[1.5], [3.0], [3.0]])
-
-
-def test_usage_counts():
-    """Four uses on four windows: three of one, one of another."""
-    field = np.array([[[0, 0], [0, 0]], [[0, 0], [1, 1]]], np.int32)
-    np.testing.assert_allclose(usage(field, (2, 2), 0), [[3, 0], [0, 1]])
-    assert usage(field, (2, 2), 1) == pytest.approx(np.ones((2, 2)))
 
 
 @pytest.mark.parametrize(("side", "period"), [(510, 3), (555, 5)])

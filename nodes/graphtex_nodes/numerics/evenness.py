@@ -1,0 +1,79 @@
+"""Even use of an exemplar: what its windows are charged so that none is used much more often than wanted."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex_nodes.numerics.transport import MOST_PLACES, prices
+
+Array = NDArray[np.float32]
+Field = NDArray[np.int32]
+Flags = NDArray[np.bool_]
+
+
+def charge(
+    windows: Array, features: Array, share: Array, field: Field, mean: float, *, evenness: float, radius: int,
+    allowed: Flags | None, wanted: Flags | None,
+) -> Array:  # fmt: skip
+    """Cost of each exemplar window (h, w) beside its distance.
+
+    Where the exemplar has few windows, on coarse levels, it is a price at which windows share all of them. So parts of
+    the exemplar keep their share of the output, which finer levels do not change much. There, and where only some
+    ``wanted`` windows (rows, columns) look for a source, it rises with how often a place and those around were used.
+
+    Parameters
+    ----------
+    windows, features
+        Coordinates of the windows that look for a source (rows, columns, k), and of the exemplar's (h, w, k).
+    share
+        How often each exemplar window should be used (h, w), relative to the mean.
+    field, mean
+        The sources found last (rows, columns, 2) and their mean squared distance, 0 if none were.
+    evenness
+        What a window that is used twice as often as wanted pays in mean squared distances; firmness of prices in
+        variances of ``features``.
+    radius
+        Windows around one that count as the same place.
+    allowed
+        Exemplar windows (h, w) that may be used; None = all.
+    """
+    height, width = features.shape[:2]
+    result = np.zeros((height, width), np.float32)
+    may = np.ones((height, width), bool) if allowed is None else allowed
+    if evenness > 0 and wanted is None and np.count_nonzero(may) <= MOST_PLACES:
+        result[may] = prices(windows.reshape(-1, windows.shape[2]), features[may], share[may], evenness)
+    elif evenness > 0 and mean > 0:
+        used = usage(field if wanted is None else field[wanted], (height, width), radius, allowed)
+        result = np.maximum(0, used / share - 1) * np.float32(evenness * mean)
+    return result
+
+
+def usage(
+    field: NDArray[np.int32], shape: tuple[int, int], radius: int, allowed: NDArray[np.bool_] | None = None
+) -> Array:
+    """How often each exemplar window is used, relative to the mean, averaged over a box of 2 radius + 1 windows.
+
+    ``field`` (..., 2) holds rows and columns below ``shape``. Of windows that are not ``allowed`` (h, w) none counts.
+    """
+    counts = np.bincount((field[..., 0] * shape[1] + field[..., 1]).ravel(), minlength=shape[0] * shape[1])
+    used = counts.reshape(shape) / max(1, counts.sum())
+    if allowed is None:
+        return box_mean(used * counts.size, radius)
+    around = box_mean(allowed.astype(np.float64), radius)
+    relative = box_mean(used * np.count_nonzero(allowed), radius) / np.where(around > 0, around, 1)
+    return relative.astype(np.float32)
+
+
+def box_mean(values: NDArray[np.float64], radius: int) -> Array:
+    """Mean over the part of a (2 radius + 1)-box that lies inside the array (h, w)."""
+    height, width = values.shape
+    padded = np.zeros((height + 2 * radius + 1, width + 2 * radius + 1))
+    padded[radius + 1 : radius + 1 + height, radius + 1 : radius + 1 + width] = values
+    for axis in (0, 1):
+        np.cumsum(padded, axis=axis, out=padded)
+    side = 2 * radius + 1
+    sums = padded[side:, side:] - padded[:-side, side:] - padded[side:, :-side] + padded[:-side, :-side]
+    rows, columns = (
+        np.minimum(np.arange(size) + radius + 1, size) - np.maximum(np.arange(size) - radius, 0)
+        for size in (height, width)
+    )
+    return (sums / np.outer(rows, columns)).astype(np.float32)

@@ -1,0 +1,64 @@
+"""Prices by which windows choose all parts of an exemplar as often as wanted (Gutierrez et al. 2017)."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float32]
+
+MOST_PLACES = 1024
+"""Exemplar windows up to which prices are found."""
+MOST_PAIRS = 300_000
+"""Pairs of windows up to which all windows that look for a source are asked; of more, a regular part."""
+SOFTNESS = 0.05
+"""Differences of cost that windows hardly mind, as a share of the variance of the exemplar's windows."""
+ROUNDS = 40
+STEEPEST = 100.0
+"""Differences in units of softness up to which costs are told apart; with larger ones numbers could overflow."""
+
+
+def prices(windows: Array, places: Array, share: Array, firmness: float) -> Array:
+    r"""Prices (m,) of exemplar windows under which each is chosen about as often as it should be.
+
+    A window takes the place where squared distance plus price is lowest. The prices are the dual variables of optimal
+    transport between windows and places, smoothed by entropy and relaxed by
+
+    .. math:: \rho \sum_j u_j \log \frac{u_j}{s_j}
+
+    for a place that is used with frequency u instead of the wanted s (Chizat et al. 2018); fixed-point iteration.
+    Charges that grow with the last turn's use instead make all windows leave a place at once and return together.
+
+    Parameters
+    ----------
+    windows
+        Coordinates (n, k) of windows that look for a source.
+    places
+        Coordinates (m, k) of the exemplar's windows.
+    share
+        How often each place should be used (m,), any unit; positive.
+    firmness
+        :math:`\rho` in variances of ``places``; 0 = prices of 0.
+
+    Returns
+    -------
+    float32, 0 where it is lowest.
+    """
+    variance = float(places.var(axis=0, dtype=np.float64).sum())
+    if variance <= 0 or firmness <= 0:
+        return np.zeros(len(places), np.float32)
+    stride = -(-len(windows) * len(places) // MOST_PAIRS)
+    seen = windows[(stride - 1) // 2 :: stride].astype(np.float64)
+    known = places.astype(np.float64)
+    # einsum, not matrix products: their bits may change with the number of threads
+    cost = (known**2).sum(axis=1) - 2 * np.einsum("ik,jk->ij", seen, known)
+    cost -= cost.min(axis=1, keepdims=True)
+    kernel = np.exp(-np.minimum(cost / (SOFTNESS * variance), STEEPEST))
+    wanted = share / share.sum(dtype=np.float64)
+    damping = firmness / (firmness + SOFTNESS)
+    appeal = np.ones(len(known))
+    for _ in range(ROUNDS):
+        asked = np.einsum("ij,j->i", kernel, appeal)
+        free = np.einsum("ij,i->j", kernel, 1 / asked) / len(seen)
+        appeal = (wanted / free) ** damping
+    found = -SOFTNESS * variance * np.log(appeal)
+    result: Array = (found - found.min()).astype(np.float32)
+    return result

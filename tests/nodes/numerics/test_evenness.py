@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+
+from graphtex_nodes.numerics.evenness import box_mean, charge, usage
+from graphtex_nodes.perspective.optimize import optimize
+
+
+def test_box_mean_by_hand():
+    values = np.array([[3.0, 0.0, 6.0]])
+    np.testing.assert_allclose(box_mean(values, 1), [[1.5, 3.0, 3.0]])
+    np.testing.assert_allclose(box_mean(values.T, 1), [[1.5], [3.0], [3.0]])
+
+
+def test_usage_counts():
+    """Four uses on four windows: three of one, one of another."""
+    field = np.array([[[0, 0], [0, 0]], [[0, 0], [1, 1]]], np.int32)
+    np.testing.assert_allclose(usage(field, (2, 2), 0), [[3, 0], [0, 1]])
+    assert usage(field, (2, 2), 1) == pytest.approx(np.ones((2, 2)))
+
+
+def test_charge_of_a_hole_rises_with_use():
+    """Two of three wanted windows chose the first of four places: 8/3 of the mean, so 5/3 too much of it."""
+    field = np.zeros((1, 4, 2), np.int32)
+    field[0, :, 1] = [0, 0, 3, 1]
+    wanted = np.array([[True, True, True, False]])
+    found = charge(
+        np.zeros((1, 4, 1), np.float32), np.zeros((1, 4, 1), np.float32), np.ones((1, 4), np.float32), field, 0.5,
+        evenness=2.0, radius=0, allowed=None, wanted=wanted,
+    )  # fmt: skip
+    assert found == pytest.approx(np.array([[5 / 3, 0, 0, 1 / 3]]))
+
+
+def test_parts_of_an_exemplar_keep_their_share():
+    """A picture of four plain areas: the largest change of an area's share is small, without evenness it is not."""
+    exemplar = np.full((128, 128, 1), 0.5, np.float32)
+    exemplar[:48, :48] = 0
+    exemplar[64:, 80:] = 1
+    exemplar[96:, :80] = 0.25
+    exemplar += np.random.default_rng(0).normal(0, 0.02, exemplar.shape).astype(np.float32)
+
+    def areas(image):
+        return np.histogram(image, [-1, 0.12, 0.37, 0.75, 2])[0] / image.size
+
+    def lost(evenness):
+        image = optimize(exemplar, width=256, height=256, evenness=evenness, rng=1).image
+        return float(np.abs(areas(image) - areas(exemplar)).max())
+
+    assert lost(2.0) < 0.15
+    assert lost(0.0) > 0.2
