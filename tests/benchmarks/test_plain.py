@@ -22,12 +22,12 @@ def test_crop_leaves_small_pictures():
 
 
 def test_folder_of_pictures_by_name(tmp_path):
-    for name, value in (("b", 255), ("a", 0)):
-        Pillow.fromarray(np.full((20, 30, 3), value, np.uint8)).save(tmp_path / f"{name}.png")
+    for name, values in (("b", [255, 9, 40]), ("a", [0, 1, 2]), ("mask", [0, 255, 0])):
+        Pillow.fromarray(np.resize(np.uint8(values), (20, 30, 3))).save(tmp_path / f"{name}.png")
     (tmp_path / "notes.txt").write_text("no picture")
     found = plain.exemplars(tmp_path)
     assert [(name, picture.shape, picture.max()) for name, picture in found.items()] == [
-        ("a", (20, 30, 3), 0),
+        ("a", (20, 30, 3), np.float32(2 / 255)),
         ("b", (20, 30, 3), 1),
     ]
 
@@ -35,6 +35,24 @@ def test_folder_of_pictures_by_name(tmp_path):
 def test_folder_without_pictures_is_refused(tmp_path):
     with pytest.raises(ValueError, match="expected pictures"):
         plain.exemplars(tmp_path)
+
+
+def test_figures_of_a_texture_are_medians_and_its_worst_coverage():
+    scores = [plain.Score(np.full(1, d), d, 1 - d, c, c) for d, c in ((0.3, 0.9), (0.1, 0.4), (0.2, 0.8))]
+    found = plain.typical(scores)
+    assert (found.distance, found.coherence, found.coverage, found.worst) == (0.2, 0.8, 0.8, 0.4)
+    assert found.image == 0.2
+
+
+def test_summary_counts_wins_bounds_and_collapses():
+    good, bad = (plain.Score(np.zeros(1), *values) for values in ((0.1, 0.8, 0.9, 0.9), (0.3, 0.95, 0.6, 0.45)))
+    other = plain.Score(np.zeros(1), 0.2, 0.85, 0.85, 0.85)
+    found = {figure.name: figure.value for figure in plain.summary([good, bad], {"peer": [other, other]})}
+    assert found["share of 2 textures closer to the exemplar than peer's"] == 0.5
+    assert found["graphtex: highest coherence"] == 0.95
+    assert found["graphtex: lowest coverage"] == 0.6
+    assert found["graphtex: textures that collapsed with some seed"] == 1
+    assert found["peer: share of textures with coverage >= 0.8"] == 1
 
 
 def test_missing_tools_are_left_out(monkeypatch):

@@ -9,10 +9,13 @@ Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
+SMOOTH = 1 / 3
+"""Mean squared difference of a window's neighbouring pixels, in that of all, below which it counts as smooth."""
+
 
 def charge(
-    windows: Array, features: Array, share: Array, field: Field, mean: float, *, evenness: float, radius: int,
-    allowed: Flags | None, wanted: Flags | None,
+    windows: Array, features: Array, share: Array, relief: Array, field: Field, mean: float, *, evenness: float,
+    radius: int, allowed: Flags | None, wanted: Flags | None,
 ) -> Array:  # fmt: skip
     """Cost of each exemplar window (h, w) beside its distance.
 
@@ -26,6 +29,8 @@ def charge(
         Coordinates of the windows that look for a source (rows, columns, k), and of the exemplar's (h, w, k).
     share
         How often each exemplar window should be used (h, w), relative to the mean.
+    relief
+        Share (h, w) of the charge that a window pays: see :func:`local_relief`.
     field, mean
         The sources found last (rows, columns, 2) and their mean squared distance, 0 if none were.
     evenness
@@ -43,8 +48,26 @@ def charge(
         result[may] = prices(windows.reshape(-1, windows.shape[2]), features[may], share[may], evenness)
     elif evenness > 0 and mean > 0:
         used = usage(field if wanted is None else field[wanted], (height, width), radius, allowed)
-        result = np.maximum(0, used / share - 1) * np.float32(evenness * mean)
+        result = np.maximum(0, used / share - 1) * relief * np.float32(evenness * mean)
     return result
+
+
+def local_relief(image: Array, window: int) -> Array:
+    """What share of a charge the windows of an image (h, w, c) pay: 1, but less where they hardly differ from others.
+
+    Windows are told from those one pixel beside them by the squared differences of neighbouring pixels. A window with
+    less than a third of the mean of these pays as much less: distances are small there too, and a charge in mean
+    distances would break up smooth areas into specks.
+    """
+    change = np.zeros(image.shape[:2])
+    change[:-1] += (np.diff(image, axis=0) ** 2).sum(axis=2)
+    change[:, :-1] += (np.diff(image, axis=1) ** 2).sum(axis=2)
+    around = box_mean(change, window // 2)
+    low, high = (window - 1) // 2, window // 2
+    around = around[low : len(around) - high, low : around.shape[1] - high]
+    mean = around.mean(dtype=np.float64)
+    share: Array = np.minimum(1, around / (SMOOTH * mean)).astype(np.float32) if mean > 0 else np.ones_like(around)
+    return share
 
 
 def usage(

@@ -53,6 +53,7 @@ class _Level:
     basis: Basis
     features: Array
     share: Array
+    relief: Array
     histograms: Histograms
     falloff: Array
     allowed: Flags | None
@@ -195,6 +196,7 @@ def _open(
         basis=basis,
         features=features,
         share=np.maximum(_centres(given.importance, window), 1e-3),
+        relief=evenness.local_relief(exemplar[..., :colours], window),
         histograms=Histograms(exemplar[..., : problem.voted], given.importance, counted),
         falloff=window_falloff(window, settings.falloff),
         allowed=allowed,
@@ -240,7 +242,7 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, first:
     windows = level.basis.project(level.canvas, grid.step, work, wanted)
     chosen = slice(None) if wanted is None else wanted
     charge = evenness.charge(
-        windows, level.features, level.share, before.field, before.mean, evenness=settings.evenness,
+        windows, level.features, level.share, level.relief, before.field, before.mean, evenness=settings.evenness,
         radius=grid.window // 2, allowed=level.allowed, wanted=wanted,
     )  # fmt: skip
     if level.allowed is not None:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.evenness import box_mean, charge, usage
+from graphtex_nodes.numerics.evenness import box_mean, charge, local_relief, usage
 from graphtex_nodes.perspective.optimize import optimize
 
 
@@ -19,15 +19,26 @@ def test_usage_counts():
 
 
 def test_charge_of_a_hole_rises_with_use():
-    """Two of three wanted windows chose the first of four places: 8/3 of the mean, so 5/3 too much of it."""
+    """Two of three wanted windows chose the first of four places: 5/3 over the mean; the last one pays half of 1/3."""
     field = np.zeros((1, 4, 2), np.int32)
     field[0, :, 1] = [0, 0, 3, 1]
     wanted = np.array([[True, True, True, False]])
     found = charge(
-        np.zeros((1, 4, 1), np.float32), np.zeros((1, 4, 1), np.float32), np.ones((1, 4), np.float32), field, 0.5,
+        np.zeros((1, 4, 1), np.float32), np.zeros((1, 4, 1), np.float32), np.ones((1, 4), np.float32),
+        np.float32([[1, 1, 1, 0.5]]), field, 0.5,
         evenness=2.0, radius=0, allowed=None, wanted=wanted,
     )  # fmt: skip
-    assert found == pytest.approx(np.array([[5 / 3, 0, 0, 1 / 3]]))
+    assert found == pytest.approx(np.array([[5 / 3, 0, 0, 1 / 6]]))
+
+
+def test_smooth_windows_pay_less():
+    """Steps of 1 between columns on the right half, of 0.1 on the left one: mean squares of 1, 0.01 and about 0.5."""
+    line = np.cumsum(np.repeat(np.float32([0.1, 1]), 20))
+    found = local_relief(np.tile(line, (40, 1))[..., None], 5)
+    assert found.shape == (36, 36)
+    np.testing.assert_allclose(found[:, :14], 0.01 / (0.5 / 3), rtol=0.1)
+    assert (found[:, 18:33] == 1).all()
+    assert (local_relief(np.ones((9, 9, 2), np.float32), 4) == 1).all()
 
 
 def test_parts_of_an_exemplar_keep_their_share():
