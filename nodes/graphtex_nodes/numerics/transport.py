@@ -7,11 +7,11 @@ Array = NDArray[np.float32]
 
 MOST_PLACES = 1024
 """Exemplar windows up to which prices are found."""
-MOST_PAIRS = 300_000
+MOST_PAIRS = 150_000
 """Pairs of windows up to which all windows that look for a source are asked; of more, a regular part."""
 SOFTNESS = 0.05
 """Differences of cost that windows hardly mind, as a share of the variance of the exemplar's windows."""
-ROUNDS = 40
+ROUNDS = 20
 STEEPEST = 100.0
 """Differences in units of softness up to which costs are told apart; with larger ones numbers could overflow."""
 

@@ -18,7 +18,7 @@ def test_two_places_on_a_line_share_it_at_the_wanted_point(share, border):
     windows = ((np.arange(1000) + 0.5) / 1000).astype(np.float32)[:, None]
     places = np.float32([[-1], [2]])
     price = prices(windows, places, np.float32(share), 1000.0)
-    assert price[1] - price[0] == pytest.approx(6 * border - 3, abs=0.1)
+    assert price[1] - price[0] == pytest.approx(6 * border - 3, abs=0.3)  # the border to 0.05
 
 
 def test_places_far_from_all_windows_are_chosen_as_often_as_others():
