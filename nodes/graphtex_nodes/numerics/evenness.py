@@ -15,7 +15,7 @@ SMOOTH = 1 / 3
 
 def charge(
     windows: Array, features: Array, share: Array, relief: Array, field: Field, mean: float, *, evenness: float,
-    radius: int, allowed: Flags | None, wanted: Flags | None,
+    step: int, radius: int, allowed: Flags | None, wanted: Flags | None,
 ) -> Array:  # fmt: skip
     """Cost of each exemplar window (h, w) beside its distance.
 
@@ -36,6 +36,9 @@ def charge(
     evenness
         What a window that is used twice as often as wanted pays in mean squared distances; firmness of prices in
         variances of ``features``.
+    step
+        Distance of neighbouring windows: of a lattice they may need but some places of each step x step, so these share
+        a price.
     radius
         Windows around one that count as the same place.
     allowed
@@ -45,7 +48,9 @@ def charge(
     result = np.zeros((height, width), np.float32)
     may = np.ones((height, width), bool) if allowed is None else allowed
     if evenness > 0 and wanted is None and np.count_nonzero(may) <= MOST_PLACES:
-        result[may] = prices(windows.reshape(-1, windows.shape[2]), features[may], share[may], evenness)
+        rows, columns = np.nonzero(may)
+        cells = np.unique(rows // step * width + columns // step, return_inverse=True)[1]
+        result[may] = prices(windows.reshape(-1, windows.shape[2]), features[may], share[may], evenness, cells)
     elif evenness > 0 and mean > 0:
         used = usage(field if wanted is None else field[wanted], (height, width), radius, allowed)
         result = np.maximum(0, used / share - 1) * relief * np.float32(evenness * mean)

@@ -243,7 +243,7 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, first:
     chosen = slice(None) if wanted is None else wanted
     charge = evenness.charge(
         windows, level.features, level.share, level.relief, before.field, before.mean, evenness=settings.evenness,
-        radius=grid.window // 2, allowed=level.allowed, wanted=wanted,
+        step=grid.step, radius=grid.window // 2, allowed=level.allowed, wanted=wanted,
     )  # fmt: skip
     if level.allowed is not None:
         charge[~level.allowed] = np.inf

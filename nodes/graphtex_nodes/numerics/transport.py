@@ -16,7 +16,9 @@ STEEPEST = 100.0
 """Differences in units of softness up to which costs are told apart; with larger ones numbers could overflow."""
 
 
-def prices(windows: Array, places: Array, share: Array, firmness: float) -> Array:
+def prices(
+    windows: Array, places: Array, share: Array, firmness: float, groups: NDArray[np.intp] | None = None
+) -> Array:  # fmt: skip
     r"""Prices (m,) of exemplar windows under which each is chosen about as often as it should be.
 
     A window takes the place where squared distance plus price is lowest. The prices are the dual variables of optimal
@@ -37,6 +39,9 @@ def prices(windows: Array, places: Array, share: Array, firmness: float) -> Arra
         How often each place should be used (m,), any unit; positive.
     firmness
         :math:`\rho` in variances of ``places``; 0 = prices of 0.
+    groups
+        Number (m,) from 0 on of the group that each place belongs to: one price for all of it, and together they should
+        be used as often as their shares say. None = each for itself.
 
     Returns
     -------
@@ -52,13 +57,14 @@ def prices(windows: Array, places: Array, share: Array, firmness: float) -> Arra
     cost = (known**2).sum(axis=1) - 2 * np.einsum("ik,jk->ij", seen, known)
     cost -= cost.min(axis=1, keepdims=True)
     kernel = np.exp(-np.minimum(cost / (SOFTNESS * variance), STEEPEST))
-    wanted = share / share.sum(dtype=np.float64)
+    members = np.arange(len(known)) if groups is None else groups
+    wanted = np.bincount(members, share / share.sum(dtype=np.float64))
     damping = firmness / (firmness + SOFTNESS)
     appeal = np.ones(len(known))
     for _ in range(ROUNDS):
         asked = np.einsum("ij,j->i", kernel, appeal)
-        free = np.einsum("ij,i->j", kernel, 1 / asked) / len(seen)
-        appeal = (wanted / free) ** damping
+        free = np.bincount(members, np.einsum("ij,i->j", kernel, 1 / asked) / len(seen))
+        appeal = ((wanted / free) ** damping)[members]
     found = -SOFTNESS * variance * np.log(appeal)
     result: Array = (found - found.min()).astype(np.float32)
     return result

@@ -40,6 +40,15 @@ def test_less_firmness_leaves_more_of_the_difference():
     assert most[-1] < 0.6 * most[0]
 
 
+def test_places_of_a_group_share_a_price():
+    """Windows at 0 and 2 need one place of each pair: as pairs they are used evenly, and no price is needed."""
+    windows, places = np.float32([[0], [2]] * 5), np.float32([[0], [1], [2], [3]])
+    share = np.ones(4, np.float32)
+    apart, together = (prices(windows, places, share, 10.0, groups) for groups in (None, np.array([0, 0, 1, 1])))
+    assert np.ptp(apart) > 0.5
+    assert np.ptp(together) < 0.05
+
+
 def test_part_of_many_windows_tells_the_prices():
     """Beyond a number of pairs a regular part of the windows is asked; prices stay about the same."""
     rng = np.random.default_rng(2)
