@@ -17,9 +17,10 @@ def principal_channel(image: Array) -> Array:
 def principal_channels(image: Array, least: float) -> Array:
     """Principal components of the colours, (n, h, w), float64, mean 0, the largest variance first; brighter is larger.
 
-    Components of less than `least` times the largest variance are left out.
+    Components of less than `least` times the largest variance are left out. The last of two or of four channels is
+    taken for alpha, which is no colour.
     """
-    colours = image.astype(np.float64)
+    colours = (image[..., :-1] if image.shape[2] in (2, 4) else image).astype(np.float64)
     colours = colours - colours.mean(axis=(0, 1))  # filters that should ignore a constant do so but for rounding
     if colours.shape[2] == 1:
         only: Array = colours[..., 0][None]

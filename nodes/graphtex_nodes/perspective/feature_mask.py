@@ -44,7 +44,7 @@ def feature_mask(
     ----------
     image
         (h, w, c) of any number of channels. Features are sought along the principal direction of its colours, which
-        shows red on green as well as light on dark.
+        shows red on green as well as light on dark; the last of two or four channels is taken for alpha and not seen.
     method
         ``canny``: edges (Canny 1986), strong ones and the weak ones of half the threshold that continue them.
         ``ridges``: centre lines of lines (mortar, gaps, blades), where the Hessian's larger eigenvalue stands out.

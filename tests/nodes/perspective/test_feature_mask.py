@@ -143,3 +143,12 @@ def test_scribbles_that_show_nothing(lines, message):
 def test_scribbles_on_everything():
     with pytest.raises(ValueError, match="some pixels without, got 4096 of 4096"):
         feature_mask(gaps(), np.ones((64, 64), bool), method="scribbles")
+
+
+@pytest.mark.parametrize("colours", [1, 3])
+def test_alpha_is_no_colour(colours):
+    """A transparent half, however it is laid out, adds no features."""
+    image, _ = grating(colours)
+    alpha = np.zeros((*image.shape[:2], 1), np.float32)
+    alpha[20:] = 1
+    np.testing.assert_array_equal(feature_mask(np.dstack([image, alpha])), feature_mask(image))
