@@ -57,11 +57,11 @@ def _decoded(data: bytes) -> str:
     try:
         return data.decode()
     except UnicodeDecodeError as error:
-        if b"\0" in data:
-            raise _Unreadable("no text: a graph is a YAML file; a picture is given to one of its inputs") from None
         before = data[: error.start].decode().removeprefix("\ufeff")
         lines = before.replace("\r\n", "\n").replace("\r", "\n").split("\n")
         message = f"not UTF-8: byte 0x{data[error.start]:02x}; save the file as UTF-8"
+        if b"\0" in data:
+            message = "no text: a graph is a YAML file; a picture is given to one of its inputs"
         raise _Unreadable(message, len(lines), len(lines[-1]) + 1) from None
 
 

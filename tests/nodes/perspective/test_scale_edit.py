@@ -176,7 +176,7 @@ def test_any_dab_on_a_tiny_map(size, point, radius, edit):
 @pytest.mark.parametrize(
     ("edit", "told"),
     [
-        ({"do": "enlarge", "factor": 2}, r"edits\.0: .*'enlarge'.*'magnify'"),
+        ({"do": "enlarge", "factor": 2}, r"edits\.0: .*'magnify'.*got 'enlarge'"),
         ({"do": "magnify"}, r"edits\.0\.factor: a value is required"),
         ({"do": "magnify", "factor": 0.5}, r"edits\.0\.factor"),
         ({"do": "set", "value": 9}, r"edits\.0\.value"),
