@@ -1,12 +1,13 @@
 """Turns a graph and the values of its inputs into a `Plan`: checks both, then expands."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from graphtex.check import check_links
-from graphtex.document import REQUIRED, Document
+from graphtex.document import NAMED_AFTER, REQUIRED, Document
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.expand import Expander, Scope
 from graphtex.inputs import check_seed
@@ -45,9 +46,27 @@ def bind(
         raise GraphError(problems + wrong)
     expander = Expander(values)
     outputs = expander.expand(Scope(links, "", bound, seed))
-    if expander.problems:
-        raise GraphError(expander.problems)
+    problems = expander.problems
+    outputs = {name: _named(output, values, graph, problems) for name, output in outputs.items()}
+    if problems:
+        raise GraphError(problems)
     return Plan(graph, _spared(values, outputs), values.given, outputs)
+
+
+def _named(output: PlannedOutput, values: Values, graph: Document, problems: list[Problem]) -> PlannedOutput:
+    """Return an output with the names of its items, if its file asks for them; add what is wrong with them."""
+    found = NAMED_AFTER.search(output.file or "")
+    if found is None:
+        return output
+    names = values.names[f"${found[1]}"]
+    path = ("outputs", output.name, "file")
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if len(names) != len(output.slots):
+        text = f"{found[0]} has {len(names)} names, and the output {len(output.slots)} items"
+        problems.append(graph.problem(path, text))
+    elif twice:
+        problems.append(graph.problem(path, f"two files of {found[0]} would be written as {twice[0]!r}"))
+    return replace(output, file=NAMED_AFTER.sub("{}", output.file or "", count=1), names=names)
 
 
 def _spared(values: Values, outputs: Mapping[str, PlannedOutput]) -> dict[str, Task]:

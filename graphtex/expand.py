@@ -1,14 +1,13 @@
 """Expands a checked graph: sub-graphs and `each:` are unfolded until tasks are left, each a call of one node."""
 
 import math
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from graphtex.document import NAMED_AFTER, Document, Entry, Place
+from graphtex.document import Entry, Place
 from graphtex.errors import GraphError, Problem
 from graphtex.inputs import check_seed
 from graphtex.links import Links, Signature
@@ -100,25 +99,8 @@ class Expander:
             found, kind = self.resolve(scope, path, source, made), scope.links.type_of(path, source)
             joined = isinstance(found, tuple)
             slots = found if isinstance(found, tuple) else (found,)
-            planned = PlannedOutput(name, slots, kind, joined, output.file, output.options)
-            outputs[name] = planned if scope.prefix else self.named(planned, graph)
+            outputs[name] = PlannedOutput(name, slots, kind, joined, output.file, output.options)
         return outputs
-
-    def named(self, output: PlannedOutput, graph: Document) -> PlannedOutput:
-        """Return an output with the names of its items, if its file asks for them; problems are collected."""
-        found = NAMED_AFTER.search(output.file or "")
-        if found is None:
-            return output
-        names = self.values.names[f"${found[1]}"]
-        path = ("outputs", output.name, "file")
-        twice = [name for name, count in Counter(names).items() if count > 1]
-        if len(names) != len(output.slots):
-            text = f"{found[0]} has {len(names)} names, and the output {len(output.slots)} items"
-            self.problems.append(graph.problem(path, text))
-        elif twice:
-            self.problems.append(graph.problem(path, f"two files of {found[0]} would be written as {twice[0]!r}"))
-        file = NAMED_AFTER.sub("{}", output.file or "", count=1)
-        return replace(output, file=file, names=names)
 
     def entry(self, place: _Place, made: Made) -> Mapping[str, Bound]:
         """Add one entry, with all cells of its `each:`; GraphError if it cannot be."""

@@ -49,8 +49,12 @@ class Values:
         if not wanted.many:
             return self.open(task, wanted, value, base)
         items = expand_paths(value, kind, base)
-        self.names[task] = tuple(_item_name(item, index) for index, item in enumerate(items))
-        return tuple(self.open(f"{task}[{i}]", ValueType(wanted.base), item, base) for i, item in enumerate(items))
+        slots = tuple(self.open(f"{task}[{i}]", ValueType(wanted.base), item, base) for i, item in enumerate(items))
+        self.names[task] = tuple(
+            Path(find_opener(wanted.base, str(item))[1]).stem if isinstance(item, str | Path) else str(index)
+            for index, item in enumerate(items)
+        )
+        return slots
 
     def open(self, task: str, kind: ValueType, value: Any, base: Path) -> Slot:
         """Return the slot of a given value, or of the node that opens a path or name; ValueError if nothing does."""
@@ -90,10 +94,6 @@ class Values:
     def openers(self) -> set[str]:
         """Return the tasks that open a path or name."""
         return {slot.task for slot in self._opened.values()}
-
-
-def _item_name(item: Any, index: int) -> str:
-    return Path(str(item).rpartition(":")[2]).stem if isinstance(item, str | Path) else str(index)
 
 
 def scalar(kind: Input, value: Any, base: Path) -> Scalar:

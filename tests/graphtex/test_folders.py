@@ -121,6 +121,9 @@ def test_items_are_named_after_files_and_samples(tmp_path):
     out = tmp_path / "out"
     made = written(EACH.format(source="sum", file="made/{pictures}-1.pix"), out, pictures=tmp_path / "in")
     assert made == ["made/leaves-1.pix", "made/old stones-1.pix"]
+    (tmp_path / "in" / "at 12:30.tex").write_text("2 2")
+    noon = written(EACH.format(source="sum", file="{pictures}.tex"), out, pictures=tmp_path / "in" / "at*.tex")
+    assert noon == ["at 12:30.tex"]
     items = ["made:sand", str(tmp_path / "in" / "leaves.pix"), np.zeros((1, 1, 1), np.float32)]
     assert written(EACH.format(source="sum", file="{pictures}.tex"), out, pictures=items) == [
         "2.tex", "leaves.tex", "sand.tex",
