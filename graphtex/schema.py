@@ -13,9 +13,9 @@ from pydantic import BaseModel
 from graphtex import docstrings
 from graphtex.document import FORMAT, NAME, SCALAR_TYPES
 from graphtex.handlers import WRITERS
+from graphtex.json_types import json_types
 from graphtex.node import Node, Socket
 from graphtex.packs import registry
-from graphtex.parameters import json_types
 from graphtex.sockets import TYPES, SocketType
 
 Schema = dict[str, Any]

@@ -8,8 +8,8 @@ from graphtex.document import Document, Input, Place
 from graphtex.errors import GraphError, Problem, did_you_mean
 from graphtex.handlers import find_opener
 from graphtex.inputs import split_type
+from graphtex.json_types import JSON_TYPES, json_types
 from graphtex.links import Links, Signature
-from graphtex.parameters import JSON_TYPES, json_types
 from graphtex.references import FromInput, is_input, is_scalar, reference
 from graphtex.sockets import ValueType
 

@@ -6,15 +6,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from graphtex.cli.tally import ENDS
 from graphtex.errors import Problem
 
 if TYPE_CHECKING:
     from graphtex.cli.tally import Tally
     from graphtex.document import Document
     from graphtex.run import RunResult
-
-ENDS = ("ran", "cached", "failed", "skipped")
-"""How a node can end; one that was not reached, or was at work when the run was stopped, is ``waiting``."""
 
 
 def run_object(

@@ -5,6 +5,9 @@ from dataclasses import dataclass, field
 
 from graphtex import events
 
+ENDS = ("ran", "cached", "failed", "skipped")
+"""How a node can end; one that was not reached, or was at work when the run was stopped, is ``waiting``."""
+
 
 @dataclass
 class Running:
@@ -59,7 +62,7 @@ class Tally:
 
     def counts(self) -> str:
         """Return such as ``2 ran, 3 cached``."""
-        shown = [f"{self.number(s)} {s}" for s in ("ran", "cached", "failed", "skipped") if self.number(s)]
+        shown = [f"{self.number(s)} {s}" for s in ENDS if self.number(s)]
         return ", ".join(shown) or "nothing ran"
 
 

@@ -9,7 +9,8 @@ import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
 from graphtex import DeclarationError, FilePath
-from graphtex.parameters import files_of, json_types, parameters_model, plain, shorten, validate, with_files
+from graphtex.json_types import json_types
+from graphtex.parameters import files_of, parameters_model, plain, shorten, validate, with_files
 
 
 class Point(BaseModel):

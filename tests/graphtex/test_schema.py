@@ -6,9 +6,9 @@ import pytest
 
 from graphtex.files.yamltree import parse
 from graphtex.graph import loads
+from graphtex.json_types import json_types
 from graphtex.node import RESERVED
 from graphtex.packs import registry
-from graphtex.parameters import json_types
 from graphtex.schema import graph_schema
 from tests.graphtex.conftest import make_only_pack
 
