@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.transport import MOST_PLACES, prices
+from graphtex_nodes.numerics.window_mean import window_mean
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
@@ -67,7 +68,7 @@ def local_relief(image: Array, window: int) -> Array:
     change = np.zeros(image.shape[:2])
     change[:-1] += (np.diff(image, axis=0) ** 2).sum(axis=2)
     change[:, :-1] += (np.diff(image, axis=1) ** 2).sum(axis=2)
-    around = box_mean(change, window // 2)
+    around = window_mean(change, window // 2 * 2 + 1).astype(np.float32)
     low, high = (window - 1) // 2, window // 2
     around = around[low : len(around) - high, low : around.shape[1] - high]
     mean = around.mean(dtype=np.float64)
@@ -84,24 +85,10 @@ def usage(
     """
     counts = np.bincount((field[..., 0] * shape[1] + field[..., 1]).ravel(), minlength=shape[0] * shape[1])
     used = counts.reshape(shape) / max(1, counts.sum())
-    if allowed is None:
-        return box_mean(used * counts.size, radius)
-    around = box_mean(allowed.astype(np.float64), radius)
-    relative = box_mean(used * np.count_nonzero(allowed), radius) / np.where(around > 0, around, 1)
-    return relative.astype(np.float32)
-
-
-def box_mean(values: NDArray[np.float64], radius: int) -> Array:
-    """Mean over the part of a (2 radius + 1)-box that lies inside the array (h, w)."""
-    height, width = values.shape
-    padded = np.zeros((height + 2 * radius + 1, width + 2 * radius + 1))
-    padded[radius + 1 : radius + 1 + height, radius + 1 : radius + 1 + width] = values
-    for axis in (0, 1):
-        np.cumsum(padded, axis=axis, out=padded)
     side = 2 * radius + 1
-    sums = padded[side:, side:] - padded[:-side, side:] - padded[side:, :-side] + padded[:-side, :-side]
-    rows, columns = (
-        np.minimum(np.arange(size) + radius + 1, size) - np.maximum(np.arange(size) - radius, 0)
-        for size in (height, width)
-    )
-    return (sums / np.outer(rows, columns)).astype(np.float32)
+    if allowed is None:
+        everywhere: Array = window_mean(used * counts.size, side).astype(np.float32)
+        return everywhere
+    around = window_mean(allowed, side).astype(np.float32)
+    relative = window_mean(used * np.count_nonzero(allowed), side).astype(np.float32) / np.where(around > 0, around, 1)
+    return relative.astype(np.float32)

@@ -10,8 +10,8 @@ from graphtex_nodes.numerics.continuation import continued, fitted_plane
 from graphtex_nodes.numerics.homogeneity import SHORTEST, picture_recession
 from graphtex_nodes.numerics.parallel import Work
 from graphtex_nodes.numerics.plane_moves import Slope
+from graphtex_nodes.numerics.window_mean import window_mean
 from graphtex_nodes.perspective.feature_mask import feature_mask
-from graphtex_nodes.perspective.feature_scale import window_mean
 
 Array = NDArray[Any]
 

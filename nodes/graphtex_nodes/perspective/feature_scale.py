@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Context, Mask, ScaleMap, node
+from graphtex_nodes.numerics.window_mean import window_mean
 
 Array = NDArray[Any]
 Form = Literal["bounded", "inverse", "literal"]
@@ -101,18 +102,6 @@ def feature_scale(
         )
     result: Array = np.clip(clamped, SMALLEST, LARGEST).astype(np.float32)
     return result
-
-
-def window_mean(values: Array, side: int) -> Array:
-    """Mean over the part of a window that lies in the picture; it begins side // 2 before each pixel."""
-    summed = np.zeros((values.shape[0] + 1, values.shape[1] + 1))
-    np.cumsum(np.cumsum(values, axis=0), axis=1, out=summed[1:, 1:])
-    (top, bottom), (left, right) = (
-        (np.clip(np.arange(n) - side // 2, 0, n), np.clip(np.arange(n) - side // 2 + side, 0, n)) for n in values.shape
-    )
-    total = summed[bottom][:, right] - summed[top][:, right] - summed[bottom][:, left] + summed[top][:, left]
-    mean: Array = total / ((bottom - top)[:, None] * (right - left))
-    return mean
 
 
 def window_median(values: Array, side: int) -> Array:

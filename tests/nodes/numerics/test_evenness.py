@@ -1,14 +1,8 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.evenness import box_mean, charge, local_relief, usage
+from graphtex_nodes.numerics.evenness import charge, local_relief, usage
 from graphtex_nodes.perspective.optimize import optimize
-
-
-def test_box_mean_by_hand():
-    values = np.array([[3.0, 0.0, 6.0]])
-    np.testing.assert_allclose(box_mean(values, 1), [[1.5, 3.0, 3.0]])
-    np.testing.assert_allclose(box_mean(values.T, 1), [[1.5], [3.0], [3.0]])
 
 
 def test_usage_counts():

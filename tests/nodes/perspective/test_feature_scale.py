@@ -8,8 +8,9 @@ from scipy.stats import spearmanr
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
+from graphtex_nodes.numerics.window_mean import window_mean
 from graphtex_nodes.perspective.feature_mask import feature_mask
-from graphtex_nodes.perspective.feature_scale import feature_scale, window_mean, window_median
+from graphtex_nodes.perspective.feature_scale import feature_scale, window_median
 from tests.truth import rendered_plane
 
 RANDOM = np.random.default_rng(0).random((13, 17))
@@ -26,6 +27,12 @@ def window(array, i, j, side):
 def test_window_mean_against_the_definition(side):
     expected = [[window(RANDOM, i, j, side).mean() for j in range(17)] for i in range(13)]
     np.testing.assert_allclose(window_mean(RANDOM, side), expected, rtol=1e-12)
+
+
+def test_window_mean_by_hand():
+    values = np.array([[3.0, 0.0, 6.0]])
+    np.testing.assert_allclose(window_mean(values, 3), [[1.5, 3.0, 3.0]])
+    np.testing.assert_allclose(window_mean(values.T, 3), [[1.5], [3.0], [3.0]])
 
 
 @pytest.mark.parametrize("side", [3, 4, 9])
