@@ -9,7 +9,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from graphtex.cache import code_digest
+    from graphtex.cache import code_digest, file_digest
     from graphtex.context import QUIET, Context, Rng
     from graphtex.errors import Cancelled, DeclarationError, GraphError, GraphtexError, NodeFailed, Problem
     from graphtex.graph import Graph, load, loads
@@ -75,6 +75,7 @@ __all__ = [
     "ViewStack",
     "Views",
     "code_digest",
+    "file_digest",
     "load",
     "loads",
     "node",
@@ -87,7 +88,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "graphtex.cache": "code_digest",
+    "graphtex.cache": "code_digest file_digest",
     "graphtex.context": "QUIET Context Rng",
     "graphtex.errors": "Cancelled DeclarationError GraphError GraphtexError NodeFailed Problem",
     "graphtex.graph": "Graph load loads",

@@ -54,8 +54,7 @@ def halvings(level: Level) -> tuple[list[Level], int]:
 
     The last has a hole of no more than :data:`CUT` pixels.
     """
-    result, searched = [level], 0
-    count = 1
+    result, count = [level], 1
     while (level.hole.size >> (2 * count - 2)) > SEARCHED:
         count += 1
     searched = count - 1

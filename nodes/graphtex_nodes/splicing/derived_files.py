@@ -9,13 +9,14 @@ from typing import Any, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex import Texture, code_digest
+from graphtex import Texture, code_digest, file_digest
 from graphtex_nodes.image.files.decode import load_npy
 from graphtex_nodes.splicing.prepare_texture import PreparedTexture, prepare_texture
 from graphtex_nodes.splicing.texture_folder import digests
 
 FOLDER, PAGE = "derived", "derived.json"
 FORMAT = 1
+PARTS = PreparedTexture._fields[1:]  # all but the texture itself
 Leaf = NDArray[Any] | int | float | str
 
 
@@ -29,13 +30,13 @@ def write_derived(prepared: PreparedTexture, folder: Path) -> None:
     files: dict[str, dict[str, str]] = {}
     values: dict[str, Any] = {}
     stored: dict[str, str] = {}  # digest -> file: equal arrays, such as both factors of many textures, are kept once
-    for name, leaf in _leaves(prepared._replace(texture=None), ""):  # type: ignore[arg-type]
+    for name, leaf in (found for part in PARTS for found in _leaves(getattr(prepared, part), part)):
         if not isinstance(leaf, np.ndarray):
             values[name] = leaf
             continue
         file = folder / FOLDER / f"{name}.npy"
         np.save(file, leaf, allow_pickle=False)
-        digest = hashlib.sha256(file.read_bytes()).hexdigest()
+        digest = file_digest(file)
         if stored.setdefault(digest, file.name) != file.name:
             file.unlink()
         files[name] = {"file": stored[digest], "sha256": digest}
@@ -55,7 +56,8 @@ def read_derived(texture: Texture, folder: Path) -> PreparedTexture:
         if changed:
             raise Stale(f"{', '.join(changed)} changed since files were derived")
         leaves = {**page["values"], **{name: _array(folder, entry) for name, entry in page["arrays"].items()}}
-        return PreparedTexture(texture, *_built(PreparedTexture, "", leaves)[1:])
+        kinds = get_type_hints(PreparedTexture)
+        return PreparedTexture(texture, *(_built(kinds[part], part, leaves) for part in PARTS))
     except (OSError, ValueError, LookupError) as error:
         raise Stale(f"{FOLDER} is damaged ({error})") from error
 
@@ -89,28 +91,25 @@ def _code() -> str:
 def _leaves(value: Any, name: str) -> Iterator[tuple[str, Leaf]]:
     """Dotted names and values of all arrays and scalars in nested named tuples."""
     if not isinstance(value, tuple):
-        if value is not None:
-            yield name, value
+        yield name, value
         return
     for key, item in value._asdict().items():  # type: ignore[attr-defined]
-        yield from _leaves(item, f"{name}.{key}" if name else key)
+        yield from _leaves(item, f"{name}.{key}")
 
 
 def _built(kind: type, name: str, leaves: Mapping[str, Leaf]) -> Any:
-    """Named tuples of a type, of what `_leaves` gave; None for what is not there at all."""
-    made = []
-    for key, hint in get_type_hints(kind).items():
-        inner = f"{name}.{key}" if name else key
-        if hasattr(hint, "_fields"):
-            made.append(_built(hint, inner, leaves) if any(one.startswith(f"{inner}.") for one in leaves) else None)
-        else:
-            made.append(leaves[inner])
-    return kind(*made)
+    """Named tuples of a type, of what `_leaves` gave; LookupError if something is not there."""
+    return kind(
+        *(
+            _built(hint, f"{name}.{key}", leaves) if hasattr(hint, "_fields") else leaves[f"{name}.{key}"]
+            for key, hint in get_type_hints(kind).items()
+        )
+    )
 
 
 def _array(folder: Path, entry: Mapping[str, str]) -> NDArray[Any]:
     """An array as it was written; ValueError if its file holds anything else."""
     file = folder / FOLDER / Path(entry["file"]).name
-    if hashlib.sha256(file.read_bytes()).hexdigest() != entry["sha256"]:
+    if file_digest(file) != entry["sha256"]:
         raise ValueError(f"{file} is damaged")
     return load_npy(file)

@@ -1,11 +1,10 @@
 """A texture as a folder that people can look into and edit: ``image.*``, ``mask.png``, ``points.csv``, ``tag.txt``."""
 
-import hashlib
 from pathlib import Path
 
 import numpy as np
 
-from graphtex import Context, Texture
+from graphtex import Context, Texture, file_digest
 from graphtex_nodes.image.files.formats import READABLE
 from graphtex_nodes.image.load import load_image, load_mask
 from graphtex_nodes.image.load_data import load_points
@@ -37,13 +36,13 @@ def read_texture(folder: Path, ctx: Context) -> Texture:
 def write_texture(texture: Texture, folder: Path) -> None:
     """Make the folder of a texture. The picture's numbers are kept: 8 bits if that holds them, else 16, else floats."""
     folder.mkdir()
-    for depth in (8, 16):
-        picture = folder / "image.png"
-        if texture.image.shape[2] <= 4 and 0 <= texture.image.min() <= texture.image.max() <= 1:
-            save_image(texture.image, picture, depth=depth)
-            if np.array_equal(load_image(path=picture), texture.image):
-                break
-            picture.unlink()
+    picture = folder / "image.png"
+    fits = texture.image.shape[2] <= 4 and 0 <= texture.image.min() <= texture.image.max() <= 1
+    for depth in (8, 16) if fits else ():
+        save_image(texture.image, picture, depth=depth)
+        if np.array_equal(load_image(path=picture), texture.image):
+            break
+        picture.unlink()
     else:
         save_image(texture.image, folder / "image.tiff", depth="float")
     save_mask(texture.mask, folder / MASK)
@@ -54,7 +53,7 @@ def write_texture(texture: Texture, folder: Path) -> None:
 def digests(folder: Path) -> dict[str, str]:
     """SHA-256 of each file that a texture is read from."""
     files = (image_file(folder), *(folder / name for name in (MASK, POINTS, TAG)))
-    return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+    return {file.name: file_digest(file) for file in files}
 
 
 def image_file(folder: Path) -> Path:
