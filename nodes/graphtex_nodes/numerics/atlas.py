@@ -237,7 +237,7 @@ def traced(sheet: Atlas, places: NDArray[np.integer]) -> tuple[Array, Array]:
     Where they are negative, for known pixels, the source is any and shows nothing.
     """
     origins = sheet.origin.reshape(-1, 6)
-    numbers = places[..., 0] * sheet.origin.shape[1] + places[..., 1]
+    numbers = places[..., 0] * np.intp(sheet.origin.shape[1]) + places[..., 1]
     shown = np.zeros(len(origins), bool)
-    shown[numbers[places[..., 0] >= 0]] = True
+    shown[numbers if places[..., 0].min() >= 0 else numbers[places[..., 0] >= 0]] = True
     return origins.take(numbers, axis=0, mode="wrap"), origins[shown]

@@ -16,7 +16,7 @@ SMOOTH = 1 / 3
 
 def charge(
     windows: Array, features: Array, share: Array, relief: Array, field: Field, mean: float, *, evenness: float,
-    step: int, radius: int, allowed: Flags | None, wanted: Flags | None,
+    step: int, radius: int, allowed: Flags | None, wanted: Flags | None, kept: Array | None = None,
 ) -> Array:  # fmt: skip
     """Cost of each exemplar window (h, w) beside its distance.
 
@@ -44,11 +44,15 @@ def charge(
         Windows around one that count as the same place.
     allowed
         Exemplar windows (h, w) that may be used; None = all.
+    kept
+        What the turn before charged. Where that was prices it stays: they hardly change in one turn. None = find anew.
     """
     height, width = features.shape[:2]
     result = np.zeros((height, width), np.float32)
     may = np.ones((height, width), bool) if allowed is None else allowed
     if evenness > 0 and wanted is None and np.count_nonzero(may) <= MOST_PLACES:
+        if kept is not None:
+            return kept
         rows, columns = np.nonzero(may)
         cells = np.unique(rows // step * width + columns // step, return_inverse=True)[1]
         result[may] = prices(windows.reshape(-1, windows.shape[2]), features[may], share[may], evenness, cells)

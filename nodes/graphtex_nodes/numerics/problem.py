@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from graphtex_nodes.numerics.windows import DIRECTIONS
+
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 Flags = NDArray[np.bool_]
@@ -24,6 +26,8 @@ class Settings:
         How firmly all parts of the exemplar are used as often as wanted: see ``evenness.charge``; 0 = not at all.
     variance
         Share of the windows' variance that principal components keep.
+    directions
+        Most principal components.
     detail
         How far components of colour are evened, 0 (not at all) to 1 (whitened).
     passes
@@ -43,6 +47,7 @@ class Settings:
     histogram: float = 20.0
     evenness: float = 2.0
     variance: float = 0.95
+    directions: int = DIRECTIONS
     detail: float = 0.3
     passes: int = 2
     falloff: float = 1.0

@@ -139,7 +139,8 @@ def pose(
     if usable is not None:
         exemplar = np.where(usable[..., None], exemplar, exemplar[usable].mean(axis=0)).astype(np.float32)
     asked = np.ones(size, bool) if known is None or known.all() else ~known
-    colours = exemplar[chosen] * np.array(weights, np.float32) if weights else exemplar[chosen]
+    colours = exemplar.reshape(-1, exemplar.shape[2]) if usable is None else exemplar[usable]
+    colours = colours * np.array(weights, np.float32) if weights else colours
     guides = []
     if _can_guide(colours, scales, chosen, work):
         if scales.target is None and known is not None:

@@ -63,8 +63,8 @@ def _autocorrelation(image: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.
 
     height, width = (min(LARGEST, side) for side in image.shape[:2])
     top, left = (image.shape[0] - height) // 2, (image.shape[1] - width) // 2
-    part = np.moveaxis(image[top : top + height, left : left + width], -1, 0)
-    part = np.ascontiguousarray(part - part.mean(axis=(1, 2), keepdims=True, dtype=np.float64), np.float32)
+    part = np.array(np.moveaxis(image[top : top + height, left : left + width], -1, 0), np.float32, order="C")
+    part -= part.mean(axis=(1, 2), keepdims=True, dtype=np.float64).astype(np.float32)
     for axis, side in ((1, height), (2, width)):
         slope = np.linspace(-1, 1, side, dtype=np.float32)
         fit = (part.mean(axis=3 - axis, dtype=np.float64) * slope).mean(axis=1) / (slope * slope).mean()

@@ -70,12 +70,13 @@ class _Level:
 
 @dataclass(frozen=True)
 class _Match:
-    """A source for each window, its weight in the vote, and the mean squared distance."""
+    """A source for each window, its weight in the vote, the mean squared distance, and what sources were charged."""
 
     field: Field
     weights: Array
     mean: float
     energy: float
+    charge: Array | None = None
 
 
 def synthesise(
@@ -113,7 +114,7 @@ def synthesise(
         for iteration in range(stage.iterations):
             draw = int(np.random.SeedSequence([seed, number, iteration]).generate_state(1, np.uint64)[0])
             weights = aside(partial(level.pixel_weights, settings.histogram), work)
-            match = _search(level, match, settings, draw, number == iteration == 0, work)
+            match = _search(level, match, settings, draw, (number, iteration), work)
             energies.append(match.energy)
             _vote(level, match, weights(), work)
             done += 4.0**-at / total
@@ -162,7 +163,9 @@ def _basis(problem: Problem, settings: Settings, stage: Stage, given: _Images, w
         groups.append((slice(colours, channels), 0.0))
     weights = [*(settings.weights or [1.0] * colours), *[1.0] * (channels - colours)]
     allowed = None if given.usable is None else whole_windows(given.usable, window)
-    return principal_basis(given.exemplar, window, groups, settings.variance, work, allowed, weights)
+    return principal_basis(
+        given.exemplar, window, groups, settings.variance, work, allowed, weights, settings.directions
+    )
 
 
 def _open(
@@ -236,18 +239,22 @@ def _start(level: _Level, colours: int, rng: np.random.Generator) -> Field:
     return random_blocks((grid.rows, grid.columns), (shape[0], shape[1]), block, grid.step, rng, wanted, present)
 
 
-def _search(level: _Level, before: _Match, settings: Settings, seed: int, first: bool, work: Work) -> _Match:
-    """Find the nearest exemplar window for each window of the canvas, and its weight (equation 6)."""
+def _search(level: _Level, before: _Match, settings: Settings, seed: int, turn: tuple[int, int], work: Work) -> _Match:
+    """Find the nearest exemplar window for each window of the canvas, and its weight (equation 6).
+
+    ``turn`` are the numbers of the stage and of its iteration.
+    """
     grid, wanted = level.frame.grid, level.wanted
     windows = level.basis.project(level.canvas, grid.step, work, wanted)
     chosen = slice(None) if wanted is None else wanted
     charge = evenness.charge(
         windows, level.features, level.share, level.relief, before.field, before.mean, evenness=settings.evenness,
         step=grid.step, radius=grid.window // 2, allowed=level.allowed, wanted=wanted,
+        kept=before.charge if turn[1] % 2 else None,
     )  # fmt: skip
     if level.allowed is not None:
         charge[~level.allowed] = np.inf
-    if first or exact_cost(windows, level.features) <= EXACT_LIMIT:
+    if turn == (0, 0) or exact_cost(windows, level.features) <= EXACT_LIMIT:
         field, costs = search_exact(windows, level.features, charge, work, wanted)
     else:
         field, costs = search_warm(
@@ -265,7 +272,7 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, first:
     weights[chosen] = robust_weights(squared, settings.exponent)
     if level.trust is not None:
         weights *= level.trust
-    return _Match(field, weights, float(np.mean(squared, dtype=np.float64)), float(energy))
+    return _Match(field, weights, float(np.mean(squared, dtype=np.float64)), float(energy), charge)
 
 
 def _vote(level: _Level, match: _Match, pixel_weights: Array, work: Work) -> None:

@@ -12,8 +12,8 @@ MOST_PAIRS = 150_000
 SOFTNESS = 0.05
 """Differences of cost that windows hardly mind, as a share of the variance of the exemplar's windows."""
 ROUNDS = 20
-STEEPEST = 100.0
-"""Differences in units of softness up to which costs are told apart; with larger ones numbers could overflow."""
+STEEPEST = 80.0
+"""Differences in units of softness up to which costs are told apart: with larger ones numbers would be 0."""
 
 
 def prices(
@@ -51,20 +51,24 @@ def prices(
     if variance <= 0 or firmness <= 0:
         return np.zeros(len(places), np.float32)
     stride = -(-len(windows) * len(places) // MOST_PAIRS)
-    seen = windows[(stride - 1) // 2 :: stride].astype(np.float64)
-    known = places.astype(np.float64)
+    members = np.arange(len(places)) if groups is None else groups
+    order = np.argsort(members, kind="stable")
+    unit = (SOFTNESS * variance) ** -0.5
+    seen = (windows[(stride - 1) // 2 :: stride] * unit).astype(np.float32)
+    known = (places[order] * unit).astype(np.float32)
     # einsum, not matrix products: their bits may change with the number of threads
-    cost = (known**2).sum(axis=1) - 2 * np.einsum("ik,jk->ij", seen, known)
+    cost = (known**2).sum(axis=1) - np.einsum("ik,kj->ij", 2 * seen, np.ascontiguousarray(known.T))
     cost -= cost.min(axis=1, keepdims=True)
-    kernel = np.exp(-np.minimum(cost / (SOFTNESS * variance), STEEPEST))
-    members = np.arange(len(known)) if groups is None else groups
-    wanted = np.bincount(members, share / share.sum(dtype=np.float64))
+    starts = np.flatnonzero(np.diff(members[order], prepend=-1))
+    kernel = np.add.reduceat(np.exp(-np.minimum(cost, STEEPEST)), starts, axis=1, dtype=np.float64)
+    wanted = np.add.reduceat(share[order], starts, dtype=np.float64)
+    wanted /= wanted.sum()
     damping = firmness / (firmness + SOFTNESS)
-    appeal = np.ones(len(known))
+    appeal = np.ones(len(wanted))
     for _ in range(ROUNDS):
         asked = np.einsum("ij,j->i", kernel, appeal)
-        free = np.bincount(members, np.einsum("ij,i->j", kernel, 1 / asked) / len(seen))
-        appeal = ((wanted / free) ** damping)[members]
-    found = -SOFTNESS * variance * np.log(appeal)
+        free = np.einsum("ij,i->j", kernel, 1 / asked) / len(seen)
+        appeal = (wanted / free) ** damping
+    found = -SOFTNESS * variance * np.log(appeal)[members]
     result: Array = (found - found.min()).astype(np.float32)
     return result

@@ -15,6 +15,8 @@ SAMPLES = 1024
 """Windows from which a basis is made."""
 LARGEST_COVARIANCE = 512
 """Rows of a covariance; larger windows are averaged over blocks of pixels, their detail is left to smaller ones."""
+DIRECTIONS = 48
+"""Principal components that are kept at most."""
 ROUNDS = 6
 """Rounds of orthogonal iteration: the kept share of variance is then right to about 0.1 %."""
 
@@ -82,7 +84,7 @@ class Basis:
 
 def principal_basis(
     image: Array, window: int, groups: list[tuple[slice, float]], variance: float, work: Work,
-    allowed: NDArray[np.bool_] | None = None, weights: Sequence[float] | None = None,
+    allowed: NDArray[np.bool_] | None = None, weights: Sequence[float] | None = None, directions: int = DIRECTIONS,
 ) -> Basis:  # fmt: skip
     """Principal components of the windows of an image, for each group of channels apart.
 
@@ -101,6 +103,8 @@ def principal_basis(
         Which windows (rows, columns) count; None = all.
     weights
         How much differences in each channel count, from 0; None = all alike.
+    directions
+        Most components of a group.
 
     Notes
     -----
@@ -128,15 +132,15 @@ def principal_basis(
         for_rows(band, len(total), len(total) * len(part) / 8, work)
         total = np.tril(total) + np.tril(total, -1).T
         covariance = total / len(samples)
-        leading = evened(leading_directions(covariance, variance), covariance, share)
+        leading = evened(leading_directions(covariance, variance, directions), covariance, share)
         spread = np.zeros((side, side, channels, leading.shape[1]))
         spread[:, :, group] = leading.reshape(side, side, -1, leading.shape[1]) * relative[group, None]
         kept.append(spread.reshape(-1, leading.shape[1]))
-    directions = np.concatenate(kept, axis=1)
-    padding = -directions.shape[1] % 8  # whole vectors: faster, and zeros change no distance
-    directions = np.pad(directions, ((0, 0), (0, padding)))
-    offset = (mean.reshape(-1, 1) * directions).sum(axis=0)
-    return Basis(window, np.ascontiguousarray(directions, np.float32), offset.astype(np.float32), pool)
+    columns = np.concatenate(kept, axis=1)
+    padding = -columns.shape[1] % 8  # whole vectors: faster, and zeros change no distance
+    columns = np.pad(columns, ((0, 0), (0, padding)))
+    offset = (mean.reshape(-1, 1) * columns).sum(axis=0)
+    return Basis(window, np.ascontiguousarray(columns, np.float32), offset.astype(np.float32), pool)
 
 
 def _pool(window: int, channels: int) -> int:
@@ -172,7 +176,7 @@ def _sample(image: Array, side: int, spacing: int, allowed: NDArray[np.bool_] | 
 
 
 def leading_directions(
-    covariance: NDArray[np.float64], variance: float, largest: int = 48, rounds: int = ROUNDS
+    covariance: NDArray[np.float64], variance: float, largest: int = DIRECTIONS, rounds: int = ROUNDS
 ) -> NDArray[np.float64]:
     """Orthonormal columns that keep the wanted share of a covariance, by orthogonal iteration.
 

@@ -64,18 +64,20 @@ class Effort(NamedTuple):
     """What a quality leaves out.
 
     Divisors of the iterations (rounded up) on the ``fine`` levels (0 = they do not search) and on ``coarse`` ones,
-    ``passes`` of a search, whether pieces are ``cut`` anew, and in how many ``moves`` seams move.
+    ``passes`` of a search, most ``directions`` in which windows are compared, whether pieces are ``cut`` anew, and in
+    how many ``moves`` seams move.
     """
 
     fine: int
     coarse: int
     passes: int
+    directions: int
     cut: bool
     moves: int
 
 
 EFFORT = {
-    "default": Effort(1, 1, 2, cut=True, moves=10),
-    "fast": Effort(2, 1, 1, cut=False, moves=10),
-    "preview": Effort(0, 4, 1, cut=False, moves=0),
+    "default": Effort(1, 1, 2, 48, cut=True, moves=10),
+    "fast": Effort(2, 1, 1, 48, cut=False, moves=10),
+    "preview": Effort(0, 4, 1, 24, cut=False, moves=0),
 }

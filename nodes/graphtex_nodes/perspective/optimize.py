@@ -253,6 +253,7 @@ def optimize(
         histogram,
         evenness,
         variance,
+        effort.directions,
         detail,
         effort.passes,
         joint=pca == "joint",
