@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from graphtex_nodes.numerics.parallel import Work
 from graphtex_nodes.numerics.transport import MOST_PLACES, prices
 from graphtex_nodes.numerics.window_mean import window_mean
 
@@ -16,7 +17,7 @@ SMOOTH = 1 / 3
 
 def charge(
     windows: Array, features: Array, share: Array, relief: Array, field: Field, mean: float, *, evenness: float,
-    step: int, radius: int, allowed: Flags | None, wanted: Flags | None, kept: Array | None = None,
+    step: int, radius: int, allowed: Flags | None, wanted: Flags | None, work: Work, kept: Array | None = None,
 ) -> Array:  # fmt: skip
     """Cost of each exemplar window (h, w) beside its distance.
 
@@ -55,7 +56,7 @@ def charge(
             return kept
         rows, columns = np.nonzero(may)
         cells = np.unique(rows // step * width + columns // step, return_inverse=True)[1]
-        result[may] = prices(windows.reshape(-1, windows.shape[2]), features[may], share[may], evenness, cells)
+        result[may] = prices(windows.reshape(-1, windows.shape[2]), features[may], share[may], evenness, work, cells)
     elif evenness > 0 and mean > 0:
         used = usage(field if wanted is None else field[wanted], (height, width), radius, allowed)
         result = np.maximum(0, used / share - 1) * relief * np.float32(evenness * mean)

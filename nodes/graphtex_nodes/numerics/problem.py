@@ -1,10 +1,12 @@
 """What a synthesis is asked for and what it gives."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from graphtex_nodes.numerics.pyramid import masked_pyramid, pyramid
 from graphtex_nodes.numerics.windows import DIRECTIONS
 
 Array = NDArray[np.float32]
@@ -138,3 +140,39 @@ class Result:
     image: Array
     source: Field
     energies: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Given:
+    """All that is given, on one level."""
+
+    exemplar: Array
+    usable: Flags | None
+    importance: Array
+    target: Array | None
+    start: Array | None
+    known: Flags | None
+
+
+def pyramids(problem: Problem, levels: int) -> list[Given]:
+    """Pyramids of what the problem gives: only usable and known pixels count where some are not."""
+    importance = np.ones(problem.exemplar.shape[:2], np.float32) if problem.importance is None else problem.importance
+    nothing: list[None] = [None] * levels
+    usable: Sequence[Flags | None] = nothing
+    start: Sequence[Array | None] = nothing
+    known: Sequence[Flags | None] = nothing
+    if problem.usable is None:
+        exemplars, importances = pyramid(problem.channels, levels), pyramid(importance, levels)
+    else:
+        exemplars, usable = masked_pyramid(problem.channels, problem.usable, levels)
+        importances = [
+            values * mask
+            for values, mask in zip(masked_pyramid(importance, problem.usable, levels)[0], usable, strict=True)
+        ]
+    if problem.start is not None and problem.known is not None:
+        start, known = masked_pyramid(problem.start, problem.known, levels)
+    elif problem.start is not None:
+        start = pyramid(problem.start, levels)
+    targets = nothing if problem.target is None else pyramid(problem.target, levels)
+    given = zip(exemplars, usable, importances, targets, start, known, strict=True)
+    return [Given(*level) for level in given]

@@ -13,8 +13,7 @@ from graphtex_nodes.numerics.guidance import random_blocks
 from graphtex_nodes.numerics.histogram import Histograms
 from graphtex_nodes.numerics.levels import Stage
 from graphtex_nodes.numerics.parallel import Alone, Work, aside
-from graphtex_nodes.numerics.problem import Array, Field, Flags, Problem, Result, Settings
-from graphtex_nodes.numerics.pyramid import masked_pyramid, pyramid
+from graphtex_nodes.numerics.problem import Array, Field, Flags, Given, Problem, Result, Settings, pyramids
 from graphtex_nodes.numerics.search import EXACT_LIMIT, exact_cost, search_exact, search_warm
 from graphtex_nodes.numerics.voting import robust_weights, vote_mean, vote_source, window_falloff
 from graphtex_nodes.numerics.windows import Basis, principal_basis
@@ -26,15 +25,11 @@ LEAST = 0.05
 
 
 @dataclass(frozen=True)
-class _Images:
-    """All that is given, on one level."""
+class _Windows:
+    """Principal components of the exemplar's windows, and what share of a charge each pays (h, w)."""
 
-    exemplar: Array
-    usable: Flags | None
-    importance: Array
-    target: Array | None
-    start: Array | None
-    known: Flags | None
+    basis: Basis
+    relief: Array
 
 
 @dataclass(frozen=True)
@@ -87,20 +82,20 @@ def synthesise(
     The result depends on the arguments alone, never on ``work`` and its threads.
     """
     levels = plan[0].level + 1
-    images = _images(problem, levels)
+    images = pyramids(problem, levels)
     seed = int(rng.integers(2**63))
     total = sum(stage.iterations * 4.0**-stage.level for stage in plan)
     done = 0.0
     energies: list[float] = []
     before: tuple[Field, Frame, int] | None = None
-    coming: Callable[[], Basis] = partial(_basis, problem, settings, plan[0], images[levels - 1], work)
+    coming: Callable[[], _Windows] = partial(_windows, problem, settings, plan[0], images[levels - 1], work)
     for number, stage in enumerate(plan):
         if before is not None and stage.iterations == 0 and settings.replay:
             break
-        at, basis = stage.level, coming()
+        at, windows = stage.level, coming()
         for then in plan[number + 1 : number + 2]:
-            coming = aside(partial(_basis, problem, settings, then, images[then.level], Alone()), work)
-        level = _open(problem, settings, stage, 0 if problem.bounded else border(plan, at), images[at], basis, work)
+            coming = aside(partial(_windows, problem, settings, then, images[then.level], Alone()), work)
+        level = _open(problem, settings, stage, 0 if problem.bounded else border(plan, at), images[at], windows, work)
         if before is None:
             field = _start(level, problem.exemplar.shape[2] if problem.target is not None else 0, rng)
         else:
@@ -128,48 +123,28 @@ def synthesise(
     return Result(level.frame.crop(level.canvas), source, tuple(energies))
 
 
-def _images(problem: Problem, levels: int) -> list[_Images]:
-    """Pyramids of what the problem gives: only usable and known pixels count where some are not."""
-    importance = np.ones(problem.exemplar.shape[:2], np.float32) if problem.importance is None else problem.importance
-    nothing: list[None] = [None] * levels
-    usable: Sequence[Flags | None] = nothing
-    start: Sequence[Array | None] = nothing
-    known: Sequence[Flags | None] = nothing
-    if problem.usable is None:
-        exemplars, importances = pyramid(problem.channels, levels), pyramid(importance, levels)
-    else:
-        exemplars, usable = masked_pyramid(problem.channels, problem.usable, levels)
-        importances = [
-            values * mask
-            for values, mask in zip(masked_pyramid(importance, problem.usable, levels)[0], usable, strict=True)
-        ]
-    if problem.start is not None and problem.known is not None:
-        start, known = masked_pyramid(problem.start, problem.known, levels)
-    elif problem.start is not None:
-        start = pyramid(problem.start, levels)
-    targets = nothing if problem.target is None else pyramid(problem.target, levels)
-    given = zip(exemplars, usable, importances, targets, start, known, strict=True)
-    return [_Images(*level) for level in given]
-
-
-def _basis(problem: Problem, settings: Settings, stage: Stage, given: _Images, work: Work) -> Basis:
-    """Principal components of a stage's windows; none where nothing is looked for, as what was found is copied."""
+def _windows(problem: Problem, settings: Settings, stage: Stage, given: Given, work: Work) -> _Windows:
+    """What a stage knows of the exemplar's windows; nothing where none is looked for, as what was found is copied."""
     window = stage.window
-    if stage.iterations == 0:
-        return Basis(window, np.zeros((0, 0), np.float32), np.zeros(0, np.float32))
     colours, channels = problem.exemplar.shape[2], given.exemplar.shape[2]
+    if stage.iterations == 0:
+        shape = [side - window + 1 for side in given.exemplar.shape[:2]]
+        return _Windows(
+            Basis(window, np.zeros((0, 0), np.float32), np.zeros(0, np.float32)), np.ones(shape, np.float32)
+        )
     groups = [(slice(0, channels if settings.joint else colours), settings.detail)]
     if channels > colours and not settings.joint:
         groups.append((slice(colours, channels), 0.0))
     weights = [*(settings.weights or [1.0] * colours), *[1.0] * (channels - colours)]
     allowed = None if given.usable is None else whole_windows(given.usable, window)
-    return principal_basis(
+    basis = principal_basis(
         given.exemplar, window, groups, settings.variance, work, allowed, weights, settings.directions
     )
+    return _Windows(basis, evenness.local_relief(given.exemplar[..., :colours], window))
 
 
 def _open(
-    problem: Problem, settings: Settings, stage: Stage, margin: int, given: _Images, basis: Basis, work: Work
+    problem: Problem, settings: Settings, stage: Stage, margin: int, given: Given, windows: _Windows, work: Work
 ) -> _Level:  # fmt: skip
     """Prepare a level: components of the exemplar's windows, and a canvas with what is known of the output."""
     exemplar, window = given.exemplar, stage.window
@@ -187,7 +162,7 @@ def _open(
         trust = _trust(known, window)[:: frame.grid.step, :: frame.grid.step]
     allowed = None if given.usable is None else whole_windows(given.usable, window)
     if stage.iterations:
-        features = basis.project(exemplar, 1, work, allowed)
+        features = windows.basis.project(exemplar, 1, work, allowed)
     else:
         features = np.zeros((*(side - window + 1 for side in exemplar.shape[:2]), 0), np.float32)
     counted = slice(None) if given.usable is None else given.usable
@@ -196,10 +171,10 @@ def _open(
         canvas=canvas,
         voted=problem.voted,
         frame=frame,
-        basis=basis,
+        basis=windows.basis,
         features=features,
         share=np.maximum(_centres(given.importance, window), 1e-3),
-        relief=evenness.local_relief(exemplar[..., :colours], window),
+        relief=windows.relief,
         histograms=Histograms(exemplar[..., : problem.voted], given.importance, counted),
         falloff=window_falloff(window, settings.falloff),
         allowed=allowed,
@@ -250,7 +225,7 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, turn: 
     charge = evenness.charge(
         windows, level.features, level.share, level.relief, before.field, before.mean, evenness=settings.evenness,
         step=grid.step, radius=grid.window // 2, allowed=level.allowed, wanted=wanted,
-        kept=before.charge if turn[1] % 2 else None,
+        work=work, kept=before.charge if turn[1] % 2 else None,
     )  # fmt: skip
     if level.allowed is not None:
         charge[~level.allowed] = np.inf

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from graphtex_nodes.numerics.parallel import Work, for_rows
+
 Array = NDArray[np.float32]
 
 MOST_PLACES = 1024
@@ -17,7 +19,7 @@ STEEPEST = 80.0
 
 
 def prices(
-    windows: Array, places: Array, share: Array, firmness: float, groups: NDArray[np.intp] | None = None
+    windows: Array, places: Array, share: Array, firmness: float, work: Work, groups: NDArray[np.intp] | None = None
 ) -> Array:  # fmt: skip
     r"""Prices (m,) of exemplar windows under which each is chosen about as often as it should be.
 
@@ -56,11 +58,17 @@ def prices(
     unit = (SOFTNESS * variance) ** -0.5
     seen = (windows[(stride - 1) // 2 :: stride] * unit).astype(np.float32)
     known = (places[order] * unit).astype(np.float32)
-    # einsum, not matrix products: their bits may change with the number of threads
-    cost = (known**2).sum(axis=1) - np.einsum("ik,kj->ij", 2 * seen, np.ascontiguousarray(known.T))
-    cost -= cost.min(axis=1, keepdims=True)
+    lengths, columns = (known**2).sum(axis=1), np.ascontiguousarray(known.T)
     starts = np.flatnonzero(np.diff(members[order], prepend=-1))
-    kernel = np.add.reduceat(np.exp(-np.minimum(cost, STEEPEST)), starts, axis=1, dtype=np.float64)
+    kernel = np.empty((len(seen), len(starts)))
+
+    def band(first: int, stop: int) -> None:
+        # einsum, not matrix products: their bits may change with the number of threads
+        cost = lengths - np.einsum("ik,kj->ij", 2 * seen[first:stop], columns)
+        cost -= cost.min(axis=1, keepdims=True)
+        np.add.reduceat(np.exp(-np.minimum(cost, STEEPEST)), starts, axis=1, dtype=np.float64, out=kernel[first:stop])
+
+    for_rows(band, len(seen), known.size, work)
     wanted = np.add.reduceat(share[order], starts, dtype=np.float64)
     wanted /= wanted.sum()
     damping = firmness / (firmness + SOFTNESS)

@@ -1,5 +1,6 @@
 """Texture optimisation that keeps the trend of texel scales (Dong, Zhou & Paul 2008, section 4)."""
 
+from functools import partial
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -206,6 +207,7 @@ def optimize(
     from graphtex_nodes.numerics import atlas, request, seams, sources
     from graphtex_nodes.numerics import levels as plans
     from graphtex_nodes.numerics.materials import renormalised
+    from graphtex_nodes.numerics.parallel import aside
     from graphtex_nodes.numerics.problem import Settings
     from graphtex_nodes.numerics.synthesis import synthesise
 
@@ -267,6 +269,7 @@ def optimize(
         image, places = seams.finish(
             problem, result, fade=vote == "blend", work=ctx, cut=effort.cut, passes=effort.moves
         )
+    coherence = aside(partial(sources.coherence, places), ctx)
     source, shown = atlas.traced(sheet, places)
     coverage = sources.coverage(shown, [each.usable for each in exemplars])
     if problem.known is not None:
@@ -278,7 +281,7 @@ def optimize(
         source=source,
         energy=result.energies[-1],
         energies=np.array(result.energies),
-        coherence=sources.coherence(places),
+        coherence=coherence(),
         coverage=coverage,
     )
 

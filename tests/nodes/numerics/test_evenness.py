@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from graphtex import Context
 from graphtex_nodes.numerics.evenness import charge, local_relief, usage
 from graphtex_nodes.perspective.optimize import optimize
 
@@ -20,7 +21,7 @@ def test_charge_of_a_hole_rises_with_use():
     found = charge(
         np.zeros((1, 4, 1), np.float32), np.zeros((1, 4, 1), np.float32), np.ones((1, 4), np.float32),
         np.float32([[1, 1, 1, 0.5]]), field, 0.5,
-        evenness=2.0, step=1, radius=0, allowed=None, wanted=wanted,
+        evenness=2.0, step=1, radius=0, allowed=None, wanted=wanted, work=Context(),
     )  # fmt: skip
     assert found == pytest.approx(np.array([[5 / 3, 0, 0, 1 / 6]]))
 

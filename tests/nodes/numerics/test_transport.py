@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from graphtex import Context
 from graphtex_nodes.numerics.transport import MOST_PAIRS, prices
 
 
@@ -17,7 +18,7 @@ def test_two_places_on_a_line_share_it_at_the_wanted_point(share, border):
     """(x + 1)^2 + p = (x - 2)^2 + q at the border x: q - p = 6 x - 3."""
     windows = ((np.arange(1000) + 0.5) / 1000).astype(np.float32)[:, None]
     places = np.float32([[-1], [2]])
-    price = prices(windows, places, np.float32(share), 1000.0)
+    price = prices(windows, places, np.float32(share), 1000.0, Context())
     assert price[1] - price[0] == pytest.approx(6 * border - 3, abs=0.3)  # the border to 0.05
 
 
@@ -27,7 +28,7 @@ def test_places_far_from_all_windows_are_chosen_as_often_as_others():
     windows = rng.normal(size=(2000, 6)).astype(np.float32)
     places = 2 * rng.normal(size=(50, 6)).astype(np.float32)
     assert chosen(windows, places, 0).std() > 40
-    assert chosen(windows, places, prices(windows, places, np.ones(50, np.float32), 1000.0)).std() < 12
+    assert chosen(windows, places, prices(windows, places, np.ones(50, np.float32), 1000.0, Context())).std() < 12
 
 
 def test_less_firmness_leaves_more_of_the_difference():
@@ -35,7 +36,10 @@ def test_less_firmness_leaves_more_of_the_difference():
     rng = np.random.default_rng(1)
     windows, places = (rng.normal(size=(n, 4)).astype(np.float32) for n in (1500, 30))
     share = np.ones(30, np.float32)
-    most = [chosen(windows, places, prices(windows, places, share, firm)).max() for firm in (0.0, 0.02, 0.2, 1000.0)]
+    most = [
+        chosen(windows, places, prices(windows, places, share, firm, Context())).max()
+        for firm in (0.0, 0.02, 0.2, 1000.0)
+    ]
     assert most == sorted(most, reverse=True)
     assert most[-1] < 0.6 * most[0]
 
@@ -44,7 +48,9 @@ def test_places_of_a_group_share_a_price():
     """Windows at 0 and 2 need one place of each pair: as pairs they are used evenly, and no price is needed."""
     windows, places = np.float32([[0], [2]] * 5), np.float32([[0], [1], [2], [3]])
     share = np.ones(4, np.float32)
-    apart, together = (prices(windows, places, share, 10.0, groups) for groups in (None, np.array([0, 0, 1, 1])))
+    apart, together = (
+        prices(windows, places, share, 10.0, Context(), groups) for groups in (None, np.array([0, 0, 1, 1]))
+    )
     assert np.ptp(apart) > 0.5
     assert np.ptp(together) < 0.05
 
@@ -55,14 +61,16 @@ def test_part_of_many_windows_tells_the_prices():
     windows, places = (rng.normal(size=(n, 3)).astype(np.float32) for n in (40000, 20))
     share = np.ones(20, np.float32)
     assert len(windows) * len(places) > 2 * MOST_PAIRS
-    assert np.allclose(prices(windows, places, share, 1.0), prices(windows[1::3], places, share, 1.0), atol=0.3)
+    assert np.allclose(
+        prices(windows, places, share, 1.0, Context()), prices(windows[1::3], places, share, 1.0, Context()), atol=0.3
+    )
 
 
 @pytest.mark.parametrize("scale", [0, 1e-20, 1e15])
 def test_equal_and_extreme_places_have_finite_prices(scale):
     """A constant exemplar costs nothing; sizes that differ by any factor give numbers."""
     windows = np.linspace(0, 1, 30, dtype=np.float32).reshape(10, 3)
-    price = prices(windows, scale * windows[::2], np.ones(5, np.float32), 2.0)
+    price = prices(windows, scale * windows[::2], np.ones(5, np.float32), 2.0, Context())
     assert np.isfinite(price).all()
     assert price.min() == 0
     assert scale > 0 or price.max() == 0
