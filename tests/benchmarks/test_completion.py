@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from benchmarks import completion
+from graphtex_nodes.numerics.sources import source_map
 
 
 @pytest.fixture(scope="module")
 def cases():
-    return completion.cases()
+    return completion.cases(count=3)
 
 
 def shifted(case, down, right):
@@ -17,35 +18,47 @@ def shifted(case, down, right):
 
 
 def test_scale_falls_upwards_and_is_the_same_along_rows(cases):
-    assert len(cases) == 10
     for case in cases:
         assert np.ptp(case.scale, axis=1).max() < 1e-4
         assert (np.diff(case.scale[:, 0]) > 0).all()
-        assert 0.02 < case.hole.mean() < 0.12
-        assert not case.hole[[0, -1]].any()
-        assert not case.hole[:, [0, -1]].any()
+        assert not np.array_equal(case.others[0], case.picture)
 
 
-def test_copies_from_the_side_have_the_right_scale(cases):
+def test_holes_are_large_and_of_five_shapes():
+    holes = [completion.shape(number) for number in range(5)]
+    assert all(0.1 < hole.mean() < 0.3 for hole in holes)
+    assert [bool(hole[-1].any()) for hole in holes] == [False, False, True, False, True]
+
+
+def test_a_source_map_tells_sizes_by_hand(cases):
+    """What is taken from another row has that row's size, times its enlargement."""
     case = cases[0]
-    assert completion.source_error(shifted(case, 0, 90), case) < 0.02
+    places = np.stack(np.mgrid[: completion.SIDE, : completion.SIDE], axis=-1)
+    places[case.hole] = 300, 10
+    source = source_map(places)
+    source[case.hole, 3] = 1
+    wanted = np.log(2 * case.scale[300, 10] / case.scale[case.hole])
+    np.testing.assert_allclose(completion.source_errors(source, case), wanted, rtol=1e-5, atol=1e-6)
 
 
-def test_copies_from_below_are_too_large_by_the_ratio_of_scales(cases):
+def test_copies_are_traced_back(cases):
+    """From the side they have the right size; from above they are too small by the ratio of scales."""
     case = cases[0]
-    rows = np.flatnonzero(case.hole.any(axis=1))[5:-5]
-    wanted = np.log(case.scale[rows + 90, 0] / case.scale[rows, 0]).mean()
-    assert completion.source_error(shifted(case, 90, 0), case) == pytest.approx(wanted, abs=0.03)
+    rows = np.flatnonzero(case.hole.any(axis=1))
+    beside = completion.traced_errors(shifted(case, 0, 140), case)
+    assert np.sqrt(np.mean(beside**2)) < 0.1
+    above = completion.traced_errors(shifted(case, -45, 140), case)
+    wanted = np.log(case.scale[rows - 45, 0] / case.scale[rows, 0]).mean()
+    assert above.mean() == pytest.approx(wanted, abs=0.05)
 
 
 def test_size_error_tells_large_elements_from_right_ones(cases):
-    right = np.mean([completion.size_error(case.picture, case) for case in cases[:3]])
-    large = np.mean([completion.size_error(shifted(case, 90, 0), case) for case in cases[:3]])
-    smear = np.mean(
-        [completion.size_error(np.where(case.hole[..., None], 0.5, case.picture), case) for case in cases[:3]]
+    case = cases[0]
+    plain = np.where(case.hole[..., None], 0.5, case.picture)
+    right, large, smear = (
+        completion.size_error(picture, case) for picture in (case.picture, shifted(case, -45, 140), plain)
     )
-    assert right < large < smear
-    assert smear == pytest.approx(completion.WORST**2)
+    assert 10 * right < large < smear
 
 
 def test_distance_is_zero_for_the_truth_and_counts_blur(cases):
@@ -54,4 +67,4 @@ def test_distance_is_zero_for_the_truth_and_counts_blur(cases):
     case = cases[1]
     assert completion.hole_distance(case.picture, case) == 0
     blurred = gaussian_filter(case.picture, (4, 4, 0))
-    assert completion.hole_distance(blurred, case) > 2 * completion.hole_distance(shifted(case, 0, 90), case)
+    assert completion.hole_distance(blurred, case) > 2 * completion.hole_distance(shifted(case, 140, 0), case)

@@ -16,8 +16,11 @@ from graphtex_nodes.numerics.pyramid import masked_pyramid
 
 Array = NDArray[Any]
 
-BLUR = 0.1
+BLUR = 0.2
 """Cost of a pixel that is shown twice as large as in its source, in standard deviations of the picture."""
+UNLIKE = 0.3
+"""Cost of a pixel that a plain shift brings from where the scale is twice or half as large, or as far across: there the
+plane looks as different, likewise."""
 JOIN = 0.02
 """Cost of each pair of pixels across a seam, likewise."""
 LACKING = 1.0
@@ -79,6 +82,9 @@ def choose(level: Level, slopes: Sequence[Slope], log_scale: Array | None, work:
     for slope in slopes:
         sheet = laid_flat(slope, level)
         found += fits(slope, sheet, anchors(sheet, ANCHORS), log_scale if slope.flat else None, BEST, work)
+    if log_scale is not None:
+        steepness = max(float(np.hypot(slope.down, slope.right)) for slope in slopes) / np.log(2)
+        found = [fit.distorted(steepness) for fit in found]
     distinct: dict[Move, Fit] = {}
     for fit in sorted(found, key=lambda fit: fit.cost):
         distinct.setdefault(fit.move, fit)
@@ -101,10 +107,10 @@ def fill(levels: Sequence[Level], found: Sequence[Fit], searched: int, work: Wor
             used, at = np.unique(labels[labels >= 0], return_inverse=True)
             labels[labels >= 0] = at
             found = [_finer(found[label], level, views) for label in used]
-        moves = [fit.move.halved(max(0, number - searched)) for fit in found]
-        labels = _cut(level, views, moves, labels, number < searched, work)
+        here = [replace(fit, move=fit.move.halved(max(0, number - searched))) for fit in found]
+        labels = _cut(level, views, here, labels, number < searched, work)
         work.progress(1 - number / len(levels), "cutting pieces")
-    return _painted(levels[0], views, moves, labels, work)
+    return _painted(levels[0], views, [fit.move for fit in here], labels, work)
 
 
 def _finer(fit: Fit, level: Level, views: Views) -> Fit:
@@ -129,7 +135,7 @@ def _finer(fit: Fit, level: Level, views: Views) -> Fit:
     return replace(fit, move=chosen, row=row, column=column, radius=radius)
 
 
-def _cut(level: Level, views: Views, moves: Sequence[Move], labels: Array, settled: bool, work: Work) -> Array:
+def _cut(level: Level, views: Views, found: Sequence[Fit], labels: Array, settled: bool, work: Work) -> Array:
     """Labels (h, w) of the moves in the region of a level; where they are ``settled``, seams move a little."""
     from graphtex_nodes.numerics.join_kernels import join_costs
 
@@ -148,13 +154,13 @@ def _cut(level: Level, views: Views, moves: Sequence[Move], labels: Array, settl
         region = binary_dilation(free) & region
     rows, columns = np.nonzero(region)
     within, spread = level.hole[rows, columns], _spread(level)
-    copies = np.empty((len(moves), rows.size, level.picture.shape[2]), np.float32)
-    unary = np.empty((len(moves), rows.size), np.float32)
-    for number, move in enumerate(moves):
-        copies[number], usable, enlarged = views.moved(move, rows, columns)
+    copies = np.empty((len(found), rows.size, level.picture.shape[2]), np.float32)
+    unary = np.empty((len(found), rows.size), np.float32)
+    for number, fit in enumerate(found):
+        copies[number], usable, enlarged = views.moved(fit.move, rows, columns)
         wrong = _length(copies[number] - level.picture[rows, columns]) / spread
-        blurred = BLUR * np.log2(np.maximum(enlarged, 1))
-        unary[number] = np.where(within, np.where(usable, blurred, NONE), np.where(usable, wrong, LACKING))
+        poor = BLUR * np.log2(np.maximum(enlarged, 1)) + UNLIKE * fit.distortion
+        unary[number] = np.where(within, np.where(usable, poor, NONE), np.where(usable, wrong, LACKING))
         unary[number] += np.where(free[rows, columns] | (labels[rows, columns] == number), 0, 10 * NONE)
     count = np.full(labels.shape, -1)
     count[region] = np.arange(rows.size)

@@ -1,7 +1,7 @@
 """Search for moves over a plane after which a picture fits what is known around a hole (He & Sun 2012, over planes)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -142,6 +142,8 @@ class Fit:
         Number of the anchor; 0 is the whole border.
     row, column, radius
         The anchor's disc in the picture; radius 0: all of the border.
+    distortion
+        How much log2 of the scale differs over the length of a plain shift; 0 of moves over the plane.
     """
 
     cost: float
@@ -150,6 +152,12 @@ class Fit:
     row: float
     column: float
     radius: float
+    distortion: float = 0.0
+
+    def distorted(self, steepness: float) -> "Fit":
+        """The fit of a plain shift on a plane whose log2 of scale changes so much for each pixel."""
+        length = float(np.hypot(self.move.down, self.move.right))
+        return replace(self, distortion=steepness * length) if self.move.slope.flat else self
 
 
 def fits(
