@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.figures import Figure
+from benchmarks.figures import Figure, in_turns
 from graphtex_nodes import contact_sheet, draw_elements, find_textons, separate_foreground, textons
 from graphtex_nodes.image.save import save_image
+from graphtex_nodes.splicing._automatic import TRIED
+from graphtex_nodes.splicing._proposals import proposals
 from graphtex_nodes.splicing._templates import Example
 
 Array = NDArray[Any]
@@ -50,6 +52,7 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
             save(pictures / f"detection-{name.replace(' ', '-')}.png", made, found, alone)
     yield Figure("textures with automatic F1 >= 0.9", float(sum(right)), ">= 4")
     yield from turned()
+    yield from speed()
 
 
 def foregrounds(made: Any, found: Any) -> dict[str, float]:
@@ -87,6 +90,32 @@ def turned() -> Iterator[Figure]:
     yield Figure("turned and sized: least F1 with a given element", min(shares), ">= 0.98")
     yield Figure("turned and sized: largest error of an angle, degrees", max(angles), "<= 8")
     yield Figure("turned and sized: largest error of a scale", max(scales), "<= 0.1")
+
+
+def speed() -> Iterator[Figure]:
+    """Seconds a picture of 128 x 128; compared with a careful search of each guess."""
+    pictures = [
+        make(width=128, height=128, size=make.keywords.get("size", 28.0) / 2, rng=3) for make in TEXTURES.values()
+    ]
+
+    def search() -> None:
+        for made in pictures:
+            find_textons(made.image)
+
+    def careful() -> None:
+        for made in pictures:
+            for guess in proposals(made.image)[:TRIED]:
+                find_textons(made.image, examples=[guess.example])
+
+    def cut() -> None:
+        for made, found in zip(pictures, elements, strict=True):
+            separate_foreground(made.image, found.elements, width=found.width, height=found.height)
+
+    elements = [find_textons(made.image) for made in pictures]
+    automatic, every, ground = (each / len(pictures) for each in in_turns(search, careful, cut, repeat=3))
+    yield Figure("128 x 128: automatic detection, s; reference every guess with care", automatic, "", every)
+    yield Figure("128 x 128: automatic detection, time over that of every guess with care", automatic / every, "<= 0.6")
+    yield Figure("128 x 128: foreground, s", ground)
 
 
 def central(made: Any, unlike: int | None = None) -> tuple[int, Example]:

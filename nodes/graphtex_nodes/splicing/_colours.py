@@ -46,9 +46,11 @@ def mixture_cost(pixels: Array, samples: Array, clusters: int) -> Array:
         middle = members.mean(axis=0)
         apart = members - middle
         spread = np.einsum("ni,nj->ij", apart, apart) / len(members) + STEADY * np.eye(channels)
-        inverse = np.linalg.inv(spread)
-        offset = pixels - middle
-        square = np.einsum("ni,ij,nj->n", offset, inverse, offset)
+        whitening = np.linalg.inv(np.linalg.cholesky(spread))
+        square = np.zeros(len(pixels))
+        for row in range(channels):
+            white = sum(whitening[row, k] * (pixels[:, k] - middle[k]) for k in range(row + 1))
+            square += white * white
         cost = 0.5 * square + 0.5 * np.linalg.slogdet(spread)[1] - np.log(len(members) / len(samples))
         np.minimum(costs, cost, out=costs)
     return costs
@@ -63,10 +65,23 @@ def clustered(samples: Array, count: int) -> Array:
     centres = np.unique(np.concatenate([centres, middle[None]])[: len(centres)], axis=0)
     labels = np.zeros(len(samples), np.int64)
     for _ in range(STEPS):
-        labels = ((samples[:, None] - centres[None]) ** 2).sum(axis=2).argmin(axis=1)
+        before, labels = labels, nearest_of(samples, centres)
+        if (labels == before).all():
+            break
         sizes = np.bincount(labels, minlength=len(centres))
         sums = np.stack([np.bincount(labels, samples[:, k], len(centres)) for k in range(samples.shape[1])], axis=1)
         centres = np.where(sizes[:, None] > 0, sums / np.maximum(sizes, 1)[:, None], centres)
+    return labels
+
+
+def nearest_of(samples: Array, centres: Array) -> Array:
+    """Index of the nearest centre (k, c) of each sample (n, c); the first of several."""
+    labels = np.zeros(len(samples), np.int64)
+    nearest = np.full(len(samples), np.inf)
+    for index, centre in enumerate(centres):
+        square = sum((samples[:, k] - centre[k]) ** 2 for k in range(samples.shape[1]))
+        closer = square < nearest
+        labels[closer], nearest[closer] = index, square[closer]
     return labels
 
 
@@ -119,7 +134,7 @@ def typical_of(pixels: Array, outside: Array, inside: Array, limit: float) -> Ar
     places = places[:: -(-len(places) // SAMPLES)]
     groups = clustered(pixels[places].astype(np.float64), TELLING)
     centres = np.stack([pixels[places[groups == k]].mean(axis=0) for k in np.unique(groups)])
-    nearest = ((pixels[:, None] - centres[None]) ** 2).sum(axis=2).argmin(axis=1)
+    nearest = nearest_of(pixels, centres)
     shares = [np.bincount(nearest[side], minlength=len(centres)) / max(side.sum(), 1) for side in (inside, outside)]
     rare = shares[0] < limit * shares[1]
     found: Array = outside & rare[nearest]

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex import Context
-from graphtex_nodes.numerics.appearance import appearance_space
-from graphtex_nodes.splicing._peaks import local_maxima, score_floor, suppress
-from graphtex_nodes.splicing._poses import Poses, best_poses, refined, templates
+from graphtex_nodes.splicing._peaks import local_maxima, suppress
+from graphtex_nodes.splicing._poses import Poses, Sight, refined, templates
 from graphtex_nodes.splicing._templates import Example
 from graphtex_nodes.splicing._unlit import unlit
 
@@ -45,53 +44,75 @@ def reduced(image: Array, step: float) -> Array:
     return np.stack([map_coordinates(c, grid, order=1, mode="nearest") for c in np.moveaxis(smooth, -1, 0)], axis=-1)
 
 
-def detect(
-    image: Array, examples: list[Example], *, turn: float, growth: float, radius: float, floor: float | None,
-    ctx: Context, trial: bool = False,
-) -> Detection:  # fmt: skip
-    """Find what looks like the examples, turned by up to `turn` degrees and up to `growth` times larger or smaller.
+class Search:
+    """A picture in which elements are looked for that are turned and sized within given ranges.
 
-    A `trial` is quick: it searches at a low resolution, and its poses are those of the best templates.
+    What does not depend on the element is prepared once for each resolution, since choosing among guesses takes many
+    searches.
     """
-    turned = turn > 0 or growth > 1
-    short = min(min(example.width, example.height) for example in examples)
-    step = max(1.0, short / (TRIAL_SIDE if trial else TURNED_SIDE if turned else PLAIN_SIDE))
-    image = unlit(image) if turned else image
-    small = reduced(image, step)
-    if small.shape[0] * small.shape[1] > LARGEST:
-        raise ValueError(
-            f"image: expected at most {LARGEST} pixels for elements of {short:g} pixels, got {image.shape[0]} x "
-            f"{image.shape[1]}: search a part of it, or resample it"
-        )
-    scaled = [
-        Example.model_construct(
-            x=e.x / step, y=e.y / step, width=max(e.width / step, 3), height=max(e.height / step, 3)
-        )
-        for e in examples
-    ]
-    space = appearance_space(small)
-    similarity, angles, scales, kinds = best_poses(
-        small, space, scaled, templates(turn, growth, 2 if trial else 1), ctx
-    )
-    reach = max(1, round(min(min(e.width, e.height) for e in scaled) / 6))
-    points, scores = local_maxima(similarity, reach)
-    column, row = np.rint(points).astype(int).T
-    poses = Poses(points * step, angles[row, column], scales[row, column], scores, kinds[row, column])
-    poses = poses.take(poses.scores > FAINT)
-    if not len(poses.points):
-        return Detection(poses, similarity, step)
-    poses = _thinned(poses, examples, radius)
-    if (turned or step > 1) and not trial:
+
+    def __init__(self, image: Array, turn: float, growth: float, radius: float, ctx: Context) -> None:
+        self.turn, self.growth, self.radius, self.ctx = turn, growth, radius, ctx
+        self.turned = turn > 0 or growth > 1
+        self.image = unlit(image) if self.turned else image
+        self._sights: dict[float, Sight] = {}
+
+    def detect(self, examples: list[Example]) -> Detection:
+        """What looks like the examples, the most alike first, with places between pixels."""
+        short = min(min(example.width, example.height) for example in examples)
+        step = max(1.0, short / (TURNED_SIDE if self.turned else PLAIN_SIDE))
+        found = self._found(examples, step, 1)
+        poses = found.poses
+        if not len(poses.points) or not (self.turned or step > 1):
+            return found
+        turn, grow = self.turn > 0, self.growth > 1
         poses = Poses.joined([
-            refined(image, example, poses.take(poses.kinds == kind), step, turn > 0, growth > 1, ctx)
+            refined(self.image, example, poses.take(poses.kinds == kind), step, turn, grow, self.ctx)
             for kind, example in enumerate(examples)
         ])  # fmt: skip
-        poses = _thinned(poses, examples, radius)
-    least = score_floor(poses.scores) if floor is None else floor
-    return Detection(poses.take(poses.scores >= least), similarity, step)
+        return Detection(thinned(poses, examples, self.radius), found.similarity, step)
+
+    def tried(self, example: Example) -> Poses:
+        """Quickly: at a low resolution, and the poses are those of the best templates."""
+        step = max(1.0, min(example.width, example.height) / TRIAL_SIDE)
+        # resolutions that are factors of sqrt(2) apart serve all examples
+        step = 2.0 ** (np.floor(2 * np.log2(step)) / 2)
+        return self._found([example], step, 2).poses
+
+    def _found(self, examples: list[Example], step: float, coarseness: int) -> Detection:
+        sight = self._sight(step, examples)
+        scaled = [
+            Example.model_construct(
+                x=e.x / step, y=e.y / step, width=max(e.width / step, 3), height=max(e.height / step, 3)
+            )
+            for e in examples
+        ]
+        similarity, angles, scales, kinds = sight.best_poses(
+            scaled, templates(self.turn, self.growth, coarseness), self.ctx
+        )
+        reach = max(1, round(min(min(e.width, e.height) for e in scaled) / 6))
+        points, scores = local_maxima(similarity, reach)
+        column, row = np.rint(points).astype(int).T
+        poses = Poses(points * step, angles[row, column], scales[row, column], scores, kinds[row, column])
+        return Detection(thinned(poses.take(poses.scores > FAINT), examples, self.radius), similarity, step)
+
+    def _sight(self, step: float, examples: list[Example]) -> Sight:
+        if step not in self._sights:
+            shape = [len(np.arange(0, side - 0.5, step)) for side in self.image.shape[:2]]
+            if shape[0] * shape[1] > LARGEST:
+                height, width = self.image.shape[:2]
+                short = min(min(example.width, example.height) for example in examples)
+                raise ValueError(
+                    f"image: expected at most {LARGEST} pixels for elements of {short:g} pixels, got {height} x "
+                    f"{width}: search a part of it, or resample it"
+                )
+            self._sights[step] = Sight(reduced(self.image, step), self.turned, self.ctx.threads)
+        return self._sights[step]
 
 
-def _thinned(poses: Poses, examples: list[Example], radius: float) -> Poses:
-    """Poses without those that a stronger one is too near to."""
+def thinned(poses: Poses, examples: list[Example], radius: float) -> Poses:
+    """Poses, the strongest first, without those that a stronger one is too near to."""
+    if not len(poses.points):
+        return poses
     sizes = np.array([[example.width, example.height] for example in examples])[poses.kinds]
     return poses.take(suppress(poses.points, sizes * poses.scales[:, None], poses.angles, radius))

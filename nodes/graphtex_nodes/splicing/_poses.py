@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex import Context
-from graphtex_nodes.numerics.appearance import AppearanceSpace
+from graphtex_nodes.numerics.appearance import appearance_space
 from graphtex_nodes.numerics.correlation import Correlator
 from graphtex_nodes.splicing._templates import Example, cut_out
 
@@ -21,6 +21,7 @@ HALVINGS = 5
 FAINT = 0.3  # contrast, as a share of the example's, below which a likeness counts less
 STARTS = (0.0, 180.0, 90.0, -90.0)  # how far off, in degrees, a coarse match of a nearly symmetric element may be
 MARGIN = 2  # neighbourhoods of appearance vectors reach so far
+REACHES = 16  # pixels: templates whose sizes fall between the same multiples share one correlator
 
 
 @dataclass(frozen=True)
@@ -64,28 +65,43 @@ def templates(turn: float, growth: float, coarseness: int) -> list[tuple[float, 
     return sorted(pairs, key=lambda pair: (abs(np.log(pair[1])), abs(pair[0]), pair))
 
 
-def best_poses(
-    image: Array, space: AppearanceSpace, examples: list[Example], pairs: list[tuple[float, float]], ctx: Context
-) -> tuple[Array, Array, Array, Array]:
-    """Score, angle, scale and example (h, w) of the best matching template on each pixel."""
-    turned = len(pairs) > 1
-    channels = CHANNELS if turned else space.mean.size
-    appearance = space.project(image)[..., :channels]
-    largest = max(max(example.width, example.height) for example in examples) * max(scale for _, scale in pairs)
-    correlator = Correlator(appearance, (int(largest) + 3,) * 2, ctx.threads)
-    best = np.full(image.shape[:2], -np.inf)
-    angles, scales, kinds = np.zeros(best.shape), np.ones(best.shape), np.zeros(best.shape, np.int64)
-    for index, (angle, scale) in enumerate(pairs):
-        ctx.progress(index / len(pairs), "looking for elements")
-        for number, example in enumerate(examples):
-            name = f"examples[{number}]"
-            patch = cut_out(image, example, name, angle=angle, scale=scale, margin=MARGIN, round_mask=turned)[0]
-            mask = cut_out(image, example, name, angle=angle, scale=scale, round_mask=turned)[1]
-            template = space.project(patch)[MARGIN:-MARGIN, MARGIN:-MARGIN, :channels]
-            scores = correlator.correlate(template, mask)
-            better = scores > best
-            best[better], angles[better], scales[better], kinds[better] = scores[better], angle, scale, number
-    return best, angles, scales, kinds
+class Sight:
+    """A picture in appearance vectors, ready for templates cut out of it."""
+
+    def __init__(self, image: Array, turned: bool, threads: int) -> None:
+        self.image, self.turned, self.threads = image, turned, threads
+        self.space = appearance_space(image)
+        self.channels = CHANNELS if turned else self.space.mean.size
+        self.appearance = self.space.project(image)[..., : self.channels]
+        self._correlators: dict[int, Correlator] = {}
+
+    def best_poses(
+        self, examples: list[Example], pairs: list[tuple[float, float]], ctx: Context
+    ) -> tuple[Array, Array, Array, Array]:
+        """Score, angle, scale and example (h, w) of the best matching template on each pixel."""
+        largest = max(max(example.width, example.height) for example in examples) * max(scale for _, scale in pairs)
+        correlator = self._correlator(int(largest) + 3)
+        best = np.full(self.image.shape[:2], -np.inf)
+        angles, scales, kinds = np.zeros(best.shape), np.ones(best.shape), np.zeros(best.shape, np.int64)
+        for index, (angle, scale) in enumerate(pairs):
+            ctx.progress(index / len(pairs), "looking for elements")
+            for number, example in enumerate(examples):
+                template, mask = self._template(example, f"examples[{number}]", angle, scale)
+                scores = correlator.correlate(template, mask)
+                better = scores > best
+                best[better], angles[better], scales[better], kinds[better] = scores[better], angle, scale, number
+        return best, angles, scales, kinds
+
+    def _template(self, example: Example, name: str, angle: float, scale: float) -> tuple[Array, Array]:
+        patch, _ = cut_out(self.image, example, name, angle=angle, scale=scale, margin=MARGIN, round_mask=self.turned)
+        _, mask = cut_out(self.image, example, name, angle=angle, scale=scale, round_mask=self.turned)
+        return self.space.project(patch)[MARGIN:-MARGIN, MARGIN:-MARGIN, : self.channels], mask
+
+    def _correlator(self, reach: int) -> Correlator:
+        reach = -(-reach // REACHES) * REACHES
+        if reach not in self._correlators:
+            self._correlators[reach] = Correlator(self.appearance, (reach, reach), self.threads)
+        return self._correlators[reach]
 
 
 def refined(image: Array, example: Example, poses: Poses, step: float, turn: bool, grow: bool, ctx: Context) -> Poses:

@@ -97,22 +97,27 @@ def find_textons(
     True
     """
     from graphtex_nodes.splicing._automatic import choose
-    from graphtex_nodes.splicing._detection import detect
+    from graphtex_nodes.splicing._detection import Search
+    from graphtex_nodes.splicing._peaks import score_floor
 
     if search == "literal":
         return _literal(image, examples, turn, growth, radius, ctx)
+    sought = Search(image, turn, growth, radius, ctx)
     given, confidence = list(examples), -1.0
-    if not given:
-        given, confidence = choose(image, turn, growth, radius, ctx)
-        if not given:
+    if given:
+        found = sought.detect(given)
+    else:
+        choice = choose(image, sought)
+        if choice is None:
             raise ValueError(
                 f"image: expected at least 4 alike elements, found none in {image.shape[1]} x {image.shape[0]} pixels; "
                 f"give one in examples"
             )
+        given, found, confidence = choice.examples, choice.found, choice.confidence
         if confidence < DOUBTFUL:
             ctx.warn(f"confidence {confidence:.2f}: these may not be the elements; better give one in examples")
-    found = detect(image, given, turn=turn, growth=growth, radius=radius, floor=least_score, ctx=ctx)
-    poses = found.poses
+    scores = found.poses.scores
+    poses = found.poses.take(scores >= (score_floor(scores) if least_score is None else least_score))
     if not len(poses.points):
         raise ValueError(f"least_score: expected at least one element, got none with a score of {least_score}")
     last = np.array(image.shape[1::-1]) - 1
