@@ -20,7 +20,29 @@ def test_tag_by_hand():
     mask[11:18, 2:13], mask[11:18, 16:27] = True, True
     assert suggested_tag(mask, np.concatenate([points, points + np.array([0, 9])])) == "B=c"
     mask[5, 13:16] = True
-    assert suggested_tag(mask, points) == "F=d"  # they touch
+    assert suggested_tag(mask, points) == "B=c"  # two touch, but their joints still hang together
+
+
+def _hexagons(side: float, joint: float) -> tuple[np.ndarray, np.ndarray]:
+    """Hexagons with an inner radius of ``side`` / 2 - ``joint`` / 2, and their centres."""
+    rows = np.arange(9) * side * np.sqrt(3) / 2
+    points = np.array([(x * side + (i % 2) * side / 2, y) for i, y in enumerate(rows) for x in range(8)])
+    points = points[(points > 0).all(axis=1) & (points < 119).all(axis=1)]
+    offset = np.moveaxis(np.mgrid[:120, :120][::-1], 0, -1)[None] - points[:, None, None]
+    directions = np.array([(1, 0), (0.5, np.sqrt(0.75)), (-0.5, np.sqrt(0.75))])
+    return (np.abs(offset @ directions.T).max(axis=-1) < (side - joint) / 2).any(axis=0), points
+
+
+def test_hexagons_have_joints_and_discs_have_not():
+    """Both fill about three quarters of the picture, on the same lattice."""
+    mask, points = _hexagons(20.0, 3.0)
+    assert suggested_tag(mask, points) == "B=c"
+    y, x = np.mgrid[:120, :120]
+    discs = (np.hypot(x - points[:, 0, None, None], y - points[:, 1, None, None]) < 9).any(axis=0)
+    assert abs(discs.mean() - mask.mean()) < 0.05
+    assert suggested_tag(discs, points) == "F=d"
+    apart, _ = _hexagons(20.0, 8.0)
+    assert suggested_tag(apart, points) == "F=d"
 
 
 def test_a_net_hangs_together():
