@@ -10,7 +10,7 @@ import graphtex as gt
 from graphtex.document import Output
 from graphtex.events import Event, Started
 from graphtex.outputs import write_outputs
-from graphtex_nodes import feature_mask, feature_scale, optimize, pebbles, resize_scale, sample
+from graphtex_nodes import feature_mask, feature_scale, optimize, pebbles, resize_scale, sample, sample_mask
 from tests.truth import scale_slope, source_scale_correlation
 
 GRAPH = Path(__file__).parents[2] / "graphs" / "perspective" / "feature-mask.yaml"
@@ -128,3 +128,13 @@ def test_slants_show_in_the_scale():
     scales = gt.run(graph, {"width": 32, "height": 32}, cache=False, only=["scales"])["scales"]
     ranges = [float(scale.max() / scale.min()) for scale in scales]
     np.testing.assert_allclose(ranges, [1 / np.cos(np.radians(slant)) ** 2 for slant in (30, 45, 60)], rtol=1e-4)
+
+
+def test_a_pattern_is_completed_where_inpainting_breaks_it(store: Path):
+    """Threads of the default's weave go on as they do in the truth: about half the error of what does not know scale."""
+    graph = gt.load(GRAPH.with_name("completion.yaml"))
+    graph.outputs |= {"plain": Output("plain.image"), "baseline": Output("baseline.image")}
+    run = gt.run(graph, cache=store)
+    photo, hole = sample(name="matting"), sample_mask(name="hole")
+    errors = {name: np.sqrt(np.mean((run[name] - photo)[hole] ** 2)) for name in ("image", "plain", "baseline")}
+    assert errors["image"] < 0.6 * min(errors["plain"], errors["baseline"])

@@ -6,7 +6,7 @@ from graphtex_nodes.image.exemplars.sample_mask import sample_mask
 
 def test_masks_by_hand():
     """An ellipse's area is pi a b; the third disc reaches the lower border; the scratches reach all sides."""
-    assert sample_mask(name="hole").sum() == pytest.approx(np.pi * 50 * 40, rel=0.01)
+    assert sample_mask(name="hole").sum() == pytest.approx(np.pi * 84 * 52, rel=0.01)
     holes = sample_mask(name="holes")
     assert holes[-1].any()
     assert not holes[0].any()

@@ -6,14 +6,14 @@ import pytest
 from graphtex import Context
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.pebbles import pebbles
-from graphtex_nodes.image.exemplars.sample_mask import sample_mask
 from graphtex_nodes.numerics.continuation import continued, fitted_plane
 from graphtex_nodes.numerics.plane_moves import Slope
 from graphtex_nodes.perspective.complete import complete
 from tests.nodes.perspective.holes import KINDS, hole_of
 
 QUIET = Context(threads=1)
-HOLE = sample_mask(name="hole")
+BELOW, ACROSS = np.mgrid[:256, :256]
+HOLE = np.hypot((ACROSS - 134) / 50, (BELOW - 140) / 40) < 1
 RNG = np.random.default_rng(3)
 NOISE = RNG.random((40, 50, 3)).astype(np.float32)
 ROW, COLUMN = np.mgrid[:40, :50]

@@ -40,6 +40,7 @@ GENERATED: Mapping[str, Callable[..., Any]] = {
     "bricks": partial(bricks, rng=6),
     "bricks-wall": partial(bricks, slant=50.0, tilt=75.0, rng=7),
     "cloth": partial(woven_cloth, rng=8),
+    "matting": partial(woven_cloth, size=13.0, slant=56.0, rng=13),
     "twill": partial(woven_cloth, weave="twill", warp=(0.55, 0.20, 0.20), rng=9),
     "sand": partial(sand, slant=50.0, rng=10),
     "sand-flat": partial(sand, rng=11),
@@ -75,12 +76,12 @@ def sample(
 ) -> Image:
     """A picture that ships with the package: ``sample:pebbles`` where a graph file wants a path.
 
-    ``pebbles``, ``paving``, ``flowers`` and ``sand`` are planes in perspective; ``pebbles-flat``, ``flowers-flat``,
-    ``sand-flat``, ``bricks``, ``cloth`` and ``twill`` are face on, ``bricks-wall`` from the side, ``pebbles-far`` from
-    twice the distance. They are drawn by the nodes of their names with a fixed seed, 256 x 256, in colour. ``berries``,
-    ``blossoms``, ``leaves``, ``oranges`` and ``tiles`` are separate elements that `Textons` draws, 192 x 192, in
-    colour. ``brick``, ``grass`` and ``gravel`` are grey photographs of 512 x 512 pixels from scikit-image.
-    ``bricks-height`` and ``bricks-normal`` are further maps of ``bricks``.
+    ``pebbles``, ``paving``, ``flowers``, ``matting`` and ``sand`` are planes in perspective; ``pebbles-flat``,
+    ``flowers-flat``, ``sand-flat``, ``bricks``, ``cloth`` and ``twill`` are face on, ``bricks-wall`` from the side,
+    ``pebbles-far`` from twice the distance. They are drawn by the nodes of their names with a fixed seed, 256 x 256, in
+    colour. ``berries``, ``blossoms``, ``leaves``, ``oranges`` and ``tiles`` are separate elements that `Textons` draws,
+    192 x 192, in colour. ``brick``, ``grass`` and ``gravel`` are grey photographs of 512 x 512 pixels from
+    scikit-image. ``bricks-height`` and ``bricks-normal`` are further maps of ``bricks``.
 
     Returns
     -------

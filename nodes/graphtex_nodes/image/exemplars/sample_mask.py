@@ -17,8 +17,8 @@ def sample_mask(
 ) -> Mask:  # fmt: skip
     """A mask that ships with the package: ``sample:hole`` where a graph file wants the path of a mask.
 
-    ``hole`` is one ellipse near the middle, ``holes`` are three discs of which one touches the border, ``scratches``
-    are thin lines from border to border.
+    ``hole`` is one broad ellipse near the middle, ``holes`` are three discs of which one touches the border,
+    ``scratches`` are thin lines from border to border.
 
     Returns
     -------
@@ -28,12 +28,12 @@ def sample_mask(
     Examples
     --------
     >>> [round(float(sample_mask(name=name).mean()), 2) for name in ("hole", "holes", "scratches")]
-    [0.1, 0.09, 0.05]
+    [0.21, 0.09, 0.05]
     """
     y, x = np.mgrid[:SIDE, :SIDE].astype(np.float64)
     mask = np.zeros((SIDE, SIDE), bool)
     if name == "hole":
-        mask |= ((x - 134) / 50) ** 2 + ((y - 140) / 40) ** 2 < 1
+        mask |= ((x - 132) / 84) ** 2 + ((y - 150) / 52) ** 2 < 1
     elif name == "holes":
         for across, below, radius in ((70, 80, 22), (180, 150, 30), (40, 250, 28)):
             mask |= np.hypot(x - across, y - below) < radius
