@@ -11,6 +11,7 @@ from graphtex.document import Output
 from graphtex.events import Event, Started
 from graphtex.outputs import write_outputs
 from graphtex_nodes import feature_mask, feature_scale, optimize, pebbles, resize_scale, sample, sample_mask
+from graphtex_nodes.image.save import save_image
 from tests.truth import scale_slope, source_scale_correlation
 
 GRAPH = Path(__file__).parents[2] / "graphs" / "perspective" / "feature-mask.yaml"
@@ -95,7 +96,7 @@ def test_grey_and_16_channels():
         assert result["image"].shape == (40, 40, channels)
 
 
-SHIPPED = ("angles", "angles-estimated", "edited-scale", "scale-pattern", "slant", "slant-comparison")
+SHIPPED = ("angles", "angles-estimated", "drawn-scale", "edited-scale", "scale-pattern", "slant", "slant-comparison")
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -119,6 +120,34 @@ def test_estimated_angles_guide_like_given_ones(store: Path):
     truth = resize_scale(exemplar.scale, **size)
     assert run["confidence"] > 0.4
     assert source_scale_correlation(run["source"], [exemplar.scale], truth) > 0.95
+
+
+def test_a_mask_from_a_file_gives_the_scale(tmp_path: Path):
+    """White lines, dense on the left: small elements there, on a picture in which nothing else tells."""
+    mask = np.zeros((64, 80, 1), np.float32)
+    mask[:, 0:40:4] = mask[:, 40::10] = 1
+    save_image(mask, tmp_path / "mask.png")
+    exemplar = np.random.default_rng(3).random((64, 80, 3), np.float32)
+    inputs = {"exemplar": exemplar, "mask": str(tmp_path / "mask.png"), "width": 96, "height": 48}
+    scale = gt.run(gt.load(GRAPH.with_name("own-mask.yaml")), inputs, only=["scale"], cache=False)["scale"]
+    assert scale.shape == (48, 96)
+    assert scale[:, :24].mean() < 0.7
+    assert scale[:, -24:].mean() > 1.2
+    shipped = gt.run(gt.load(GRAPH.with_name("own-mask.yaml")), {"width": 40, "height": 31}, cache=False)
+    assert shipped["image"].shape == (31, 40, 3)
+
+
+def test_a_drawing_from_a_file_is_the_scale(tmp_path: Path):
+    """Black above, light grey below, in another size and shape: the range of scales from top to bottom."""
+    drawing = np.zeros((30, 20, 3), np.float32)
+    drawing[15:] = 0.6
+    save_image(drawing, tmp_path / "drawing.png")
+    inputs = {"drawing": str(tmp_path / "drawing.png"), "low": 0.6, "high": 1.5, "width": 60, "height": 60}
+    graph = gt.load(GRAPH.with_name("drawn-scale.yaml"))
+    scale = gt.run(graph, inputs, only=["scale"], cache=False)["scale"]
+    np.testing.assert_allclose(scale[[0, -1]], np.array([[0.6], [1.5]]) * np.ones((1, 60)), rtol=1e-4)
+    kept = gt.run(graph, {**inputs, "stretch": False}, only=["scale"], cache=False)["scale"]
+    np.testing.assert_allclose(kept[-1], 0.6 * 2.5**0.6, rtol=1e-4)
 
 
 def test_slants_show_in_the_scale():

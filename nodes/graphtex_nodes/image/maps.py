@@ -11,6 +11,7 @@ from graphtex_nodes.numerics.materials import (
     CHANNELS,
     UP,
     MapKind,
+    doubt_normals,
     map_slices,
     require_channels,
     total_channels,
@@ -63,8 +64,7 @@ def stack_maps(maps: list[Image], *, kinds: Kinds, ctx: Context = QUIET) -> Imag
         if image.shape[2] != CHANNELS[kind]:
             hint = "; Grey makes one channel of it" if kind == "scalar" else ""
             raise ValueError(f"maps[{i}]: {kind} has {CHANNELS[kind]} channels, got {image.shape[2]}{hint}")
-        if kind in UP:
-            _warn_of_no_normals(f"maps[{i}]", image, ctx)
+        doubt_normals(f"maps[{i}]", image, [kind], ctx.warn)
     total = total_channels(kinds)
     if total > MOST_CHANNELS:
         raise ValueError(f"maps: an Image has up to {MOST_CHANNELS} channels, got {total} in all")
@@ -115,9 +115,3 @@ def _extract(image: NDArray[np.float32], kinds: list[MapKind], index: int, renor
     require_channels(kinds, image.shape[2])
     part = image[..., map_slices(kinds)[index]]
     return unit_normals(part) if renormalise and kinds[index] in UP else part.copy()
-
-
-def _warn_of_no_normals(name: str, image: NDArray[np.float32], ctx: Context) -> None:
-    length = float(np.median(np.linalg.norm(image * 2.0 - 1, axis=2)))
-    if abs(length - 1) > 0.1:
-        ctx.warn(f"{name}: half of its normals are longer or shorter than {length:.2f}; is it a normal map?")

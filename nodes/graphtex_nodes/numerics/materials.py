@@ -1,6 +1,6 @@
 """Kinds of material maps in the channels of a stack, and what turning a picture does to its normals."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
@@ -12,6 +12,8 @@ MapKind = Literal["colour", "colour+alpha", "normal", "normal-down", "scalar"]
 CHANNELS: dict[str, int] = {"colour": 3, "colour+alpha": 4, "normal": 3, "normal-down": 3, "scalar": 1}
 UP = {"normal": 1.0, "normal-down": -1.0}
 """Kinds that are normals, and which way their second component points in the picture."""
+OFF = 0.1
+OUTWARDS = 0.4  # mean third component: 0.85 and more in maps of walls, cheese and wool, below 0.3 in most photographs
 UNIT_WITHIN = 0.01  # rounding to 8 bits moves a normal's length by up to 0.7 %
 
 
@@ -24,6 +26,23 @@ def require_channels(kinds: Sequence[MapKind], count: int) -> None:
     """Raise ValueError unless the kinds add up to the channels of a picture."""
     if total_channels(kinds) != count:
         raise ValueError(f"kinds: {' + '.join(kinds)} are {total_channels(kinds)} channels, the picture has {count}")
+
+
+def doubt_normals(name: str, stack: Array, kinds: Sequence[MapKind], warn: Callable[[str], None]) -> None:
+    """Warn of maps of normals in a stack (h, w, c) that are colour, say.
+
+    Normals of a tangent space are unit vectors and point out of the surface; blending and JPEG spare most of them.
+    """
+    for kind, channels in zip(kinds, map_slices(kinds), strict=True):
+        if kind not in UP:
+            continue
+        normal = stack[..., channels].astype(np.float64) * 2 - 1
+        off = float(np.mean(np.abs(np.sqrt((normal * normal).sum(axis=-1)) - 1) > OFF))
+        outwards = float(normal[..., 2].mean())
+        if off > 0.5:
+            warn(f"{name}: {off:.0%} of its normals are longer or shorter than 1 by over {OFF:g}; is it a normal map?")
+        elif outwards < OUTWARDS:
+            warn(f"{name}: the third component of its normals is {outwards:.2f} in the mean; is it a normal map?")
 
 
 def map_slices(kinds: Sequence[MapKind]) -> list[slice]:

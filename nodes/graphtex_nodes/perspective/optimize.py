@@ -212,7 +212,7 @@ def optimize(
     from graphtex_nodes.numerics.synthesis import synthesise
 
     size = _size(start, target_angle if target_scale is None else target_scale, exemplar, height, width)
-    weights = request.channel_weights(map_weights, kinds, exemplar.shape[2])
+    weights = request.channel_weights(map_weights, kinds, exemplar, ctx)
     turned = angle_weight > 0 and (target_angle is not None or exemplar_angle is not None)
     if turned and target_angle is None:
         raise ValueError("target_angle: expected a map beside exemplar_angle (or angle_weight=0), got none")

@@ -10,7 +10,7 @@ from graphtex.sockets import find_type
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
-from graphtex_nodes.image.exemplars.sample import ELEMENTS, MATERIALS, NAMES, PHOTOGRAPHS, sample
+from graphtex_nodes.image.exemplars.sample import DRAWINGS, ELEMENTS, MATERIALS, NAMES, PHOTOGRAPHS, sample
 from graphtex_nodes.image.exemplars.sand import sand
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.numerics.plane import photograph, seen_plane
@@ -183,7 +183,15 @@ def test_samples_need_no_network(monkeypatch):
             np.testing.assert_array_equal(np.rint(image[..., 0] * 255), np.asarray(Image.open(file)))
 
 
-@pytest.mark.parametrize("name", sorted(set(NAMES) - set(PHOTOGRAPHS) - set(MATERIALS)))
+def test_the_spiral_is_a_drawing():
+    """Grey from black to white, and turned half a turn its own negative."""
+    image = sample(name="spiral")
+    assert image.shape == (256, 256, 1)
+    assert image.min() == pytest.approx(0, abs=1e-3)
+    np.testing.assert_allclose(image[::-1, ::-1], 1 - image, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", sorted(set(NAMES) - set(PHOTOGRAPHS) - set(MATERIALS) - set(DRAWINGS)))
 def test_drawn_samples(name):
     image = sample(name=name)
     assert image.shape == ((192, 192, 3) if name in ELEMENTS else (256, 256, 3))

@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graphtex_nodes.image.convert import grey, image_from_mask, mask_from_image, pick_channels
+from graphtex_nodes.image.exemplars.sample import sample
 from graphtex_nodes.image.files.colour import encode_srgb
 from graphtex_nodes.image.maps import CHANNELS, select_map, split_maps, stack_maps
 from graphtex_nodes.numerics.materials import UP
@@ -11,8 +12,9 @@ from tests.nodes.image.files import noise
 
 
 def normals(*shape, seed=0):
-    """Unit normals, encoded."""
+    """Unit normals that point out of the surface, encoded."""
     vector = np.random.default_rng(seed).normal(size=(*shape, 3))
+    vector[..., 2] = 1 + np.abs(vector[..., 2])
     vector /= np.linalg.norm(vector, axis=2, keepdims=True)
     return ((vector + 1) / 2).astype(np.float32)
 
@@ -52,8 +54,20 @@ def test_a_normal_of_no_length_points_up():
 
 
 def test_told_when_it_is_no_normal_map():
-    with pytest.warns(UserWarning, match=r"maps\[0\]: half of its normals .* is it a normal map"):
+    """Grey, a colour picture whose median length is 0.98, and unit vectors that point into the surface."""
+    with pytest.warns(UserWarning, match=r"maps\[0\]: 100% of its normals are longer .* is it a normal map"):
         stack_maps([np.full((2, 2, 3), 0.5, np.float32)], kinds=["normal"])
+    with pytest.warns(UserWarning, match=r"72% of its normals .* is it a normal map"):
+        stack_maps([noise(40, 40, 3, dtype="float32")], kinds=["normal-down"])
+    inwards = np.full((2, 2, 3), (0.5, 0.5, 0.0), np.float32)
+    with pytest.warns(UserWarning, match=r"third component of its normals is -1.00 in the mean"):
+        stack_maps([inwards], kinds=["normal"])
+
+
+def test_rounded_normals_pass(recwarn):
+    normals = np.float32(np.rint(sample(name="bricks-normal") * 255) / 255)
+    stack_maps([normals], kinds=["normal"])
+    assert not recwarn
 
 
 def test_stack_refuses():

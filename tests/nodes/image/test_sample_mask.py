@@ -1,7 +1,10 @@
 import numpy as np
 import pytest
+from scipy.ndimage import minimum_filter
 
+from graphtex_nodes.image.exemplars.sample import sample
 from graphtex_nodes.image.exemplars.sample_mask import sample_mask
+from graphtex_nodes.numerics.principal import principal_channel
 
 
 def test_masks_by_hand():
@@ -12,6 +15,16 @@ def test_masks_by_hand():
     assert not holes[0].any()
     scratches = sample_mask(name="scratches")
     assert all(side.any() for side in (scratches[0], scratches[-1], scratches[:, 0], scratches[:, -1]))
+
+
+def test_joints_lie_where_the_paving_is_dark():
+    """Lines one pixel wide, all of them near the darkest fifth of the picture."""
+    joints = sample_mask(name="paving-joints")
+    dark = principal_channel(sample(name="paving"))
+    dark = minimum_filter(dark, 3) < np.quantile(dark, 0.2)
+    assert 0.05 < joints.mean() < 0.12
+    assert dark[joints].mean() > 0.9
+    assert dark.mean() < 0.5
 
 
 def test_unknown_name():

@@ -30,11 +30,13 @@ ELEMENTS: Mapping[str, Callable[..., Any]] = {
 }
 """Textures of separate elements, 192 x 192 in colour, with the truth about them."""
 
+PAVING = partial(bricks, kind="paving", size=56.0, slant=52.0, rng=3)
+
 GENERATED: Mapping[str, Callable[..., Any]] = {
     "pebbles": partial(pebbles, slant=55.0, rng=1),
     "pebbles-flat": partial(pebbles, rng=2),
     "pebbles-far": partial(pebbles, size=12.0, rng=12),
-    "paving": partial(bricks, kind="paving", size=56.0, slant=52.0, rng=3),
+    "paving": PAVING,
     "flowers": partial(flowers, slant=50.0, rng=4),
     "flowers-flat": partial(flowers, rng=5),
     "bricks": partial(bricks, rng=6),
@@ -53,10 +55,13 @@ MATERIALS: Mapping[str, Callable[[Any], NDArray[Any]]] = {
 }
 """Maps of the sample before the hyphen."""
 
+DRAWINGS: Mapping[str, Callable[[], NDArray[Any]]] = {"spiral": lambda: _spiral(256)}
+"""Grey drawings, 256 x 256."""
+
 PHOTOGRAPHS = ("brick", "grass", "gravel")
 """Grey photographs, 512 x 512, that scikit-image's wheel brings (CC0)."""
 
-NAMES = tuple(sorted((*ELEMENTS, *GENERATED, *MATERIALS, *PHOTOGRAPHS)))
+NAMES = tuple(sorted((*DRAWINGS, *ELEMENTS, *GENERATED, *MATERIALS, *PHOTOGRAPHS)))
 
 
 def _known(name: str) -> str:
@@ -81,13 +86,14 @@ def sample(
     ``pebbles-far`` from twice the distance. They are drawn by the nodes of their names with a fixed seed, 256 x 256, in
     colour. ``berries``, ``blossoms``, ``leaves``, ``oranges`` and ``tiles`` are separate elements that `Textons` draws,
     192 x 192, in colour. ``brick``, ``grass`` and ``gravel`` are grey photographs of 512 x 512 pixels from
-    scikit-image. ``bricks-height`` and ``bricks-normal`` are further maps of ``bricks``.
+    scikit-image. ``bricks-height`` and ``bricks-normal`` are further maps of ``bricks``. ``spiral`` is a grey drawing,
+    for what is laid out by the brightness of a picture.
 
     Returns
     -------
     Image
-        (256, 256, 3), (192, 192, 3) or (512, 512, 1), sRGB-encoded in [0, 1]; heights (256, 256, 1), and normals
-        encoded as StackMaps has them.
+        (256, 256, 3), (192, 192, 3) or (512, 512, 1), sRGB-encoded in [0, 1]; heights and drawings (256, 256, 1), and
+        normals encoded as StackMaps has them.
 
     Raises
     ------
@@ -96,6 +102,8 @@ def sample(
     """
     if name in PHOTOGRAPHS:
         return _photograph(name)
+    if name in DRAWINGS:
+        return DRAWINGS[name]()
     if name in MATERIALS:
         return MATERIALS[name](GENERATED[name.rpartition("-")[0]](ctx=ctx))
     image: NDArray[Any] = {**ELEMENTS, **GENERATED}[name](ctx=ctx).image
@@ -111,3 +119,11 @@ def _photograph(name: str) -> NDArray[np.float32]:
     with files("skimage.data").joinpath(f"{name}.png").open("rb") as file, pillow.open(file) as picture:
         grey = np.asarray(picture.convert("L"), np.float32)
     return grey[..., None] / np.float32(255)
+
+
+def _spiral(side: int) -> NDArray[np.float32]:
+    """A soft white band on black that winds out from the middle, (side, side, 1)."""
+    y, x = (np.mgrid[:side, :side] - (side - 1) / 2) / side
+    turns = np.hypot(x, y) * 2.0 - np.arctan2(y, x) / (2 * np.pi)
+    drawn: NDArray[np.float32] = (0.5 + 0.5 * np.cos(2 * np.pi * turns))[..., None].astype(np.float32)
+    return drawn
