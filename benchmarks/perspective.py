@@ -27,7 +27,7 @@ from graphtex_nodes import (
 )
 from graphtex_nodes.image.save import save_image
 from graphtex_nodes.numerics.measures import patch_distance, scale_slope, source_scale_correlation
-from graphtex_nodes.numerics.sources import self_match
+from graphtex_nodes.numerics.sources import near_copies, self_match
 
 Array = NDArray[Any]
 
@@ -45,6 +45,7 @@ VIEW = 45.0  # of the generated exemplars
 SEEDS = (20, 21, 22)
 SLANT = 55.0
 OUTPUT = 512
+NEAR = 64
 FREE_WEIGHT = 1.0  # below about 0.5 a free scale loses the target with and without histogram matching
 
 
@@ -125,6 +126,8 @@ def synthesis(name: str, planes: list[Plane], pictures: Path | None) -> Iterator
         yield Figure(f"{name}: {share}", mean(values), bound, mean(others))
     repeats, others = ([self_match(result.source) for result in results] for results in (guided, plain))
     yield Figure(f"{name}: highest peak of the source map's self-match", mean(repeats), "", mean(others))
+    repeats, others = ([near_copies(result.source, NEAR) for result in results] for results in (guided, plain))
+    yield Figure(f"{name}: share shown again within {NEAR} pixels", mean(repeats), "", mean(others))
     distances, others = (
         [100 * patch_distance(r.image, p.image) for r, p in zip(rs, planes, strict=True)] for rs in (guided, plain)
     )

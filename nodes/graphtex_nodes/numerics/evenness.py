@@ -11,19 +11,25 @@ Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
+CROWDED = 0.15
+"""What a window pays for each copy around, in variances of the exemplar's windows times the evenness."""
+MOST_CROWDED = 4096
+"""Exemplar windows up to which a level is no fine one: those keep what is where."""
 SMOOTH = 1 / 3
 """Mean squared difference of a window's neighbouring pixels, in that of all, below which it counts as smooth."""
 
 
-def charge(
-    windows: Array, features: Array, share: Array, relief: Array, field: Field, mean: float, *, evenness: float,
-    step: int, radius: int, allowed: Flags | None, wanted: Flags | None, work: Work, kept: Array | None = None,
+def standing(
+    windows: Array, features: Array, share: Array, field: Field | None, *, evenness: float, step: int,
+    allowed: Flags | None, work: Work,
 ) -> Array:  # fmt: skip
-    """Cost of each exemplar window (h, w) beside its distance.
+    """Cost of each exemplar window (a, b, h, w) beside its distance, for windows in each of a x b tiles of the output.
 
-    Where the exemplar has few windows, on coarse levels, it is a price at which windows share all of them. So parts of
-    the exemplar keep their share of the output, which finer levels do not change much. There, and where only some
-    ``wanted`` windows (rows, columns) look for a source, it rises with how often a place and those around were used.
+    Where the exemplar has few windows, on coarse levels, these are prices at which windows share all of them. So parts
+    of the exemplar keep their share of the output, which finer levels do not change much. On all but fine levels a
+    place costs more near where it is shown already: see :func:`crowding`. But not where some places are wanted more
+    than others: those that a guide asks for in one part of the output are few, and must repeat. All this hardly changes
+    from one turn to the next.
 
     Parameters
     ----------
@@ -31,36 +37,96 @@ def charge(
         Coordinates of the windows that look for a source (rows, columns, k), and of the exemplar's (h, w, k).
     share
         How often each exemplar window should be used (h, w), relative to the mean.
-    relief
-        Share (h, w) of the charge that a window pays: see :func:`local_relief`.
-    field, mean
-        The sources found last (rows, columns, 2) and their mean squared distance, 0 if none were.
+    field
+        The sources found last (rows, columns, 2); None = none were.
     evenness
-        What a window that is used twice as often as wanted pays in mean squared distances; firmness of prices in
-        variances of ``features``.
+        Firmness of prices in variances of ``features``.
     step
         Distance of neighbouring windows: of a lattice they may need but some places of each step x step, so these share
         a price.
-    radius
-        Windows around one that count as the same place.
     allowed
         Exemplar windows (h, w) that may be used; None = all.
-    kept
-        What the turn before charged. Where that was prices it stays: they hardly change in one turn. None = find anew.
     """
     height, width = features.shape[:2]
     result = np.zeros((height, width), np.float32)
     may = np.ones((height, width), bool) if allowed is None else allowed
-    if evenness > 0 and wanted is None and np.count_nonzero(may) <= MOST_PLACES:
-        if kept is not None:
-            return kept
+    places = np.count_nonzero(may)
+    if evenness <= 0 or places > MOST_CROWDED:
+        return result[None, None]
+    if places <= MOST_PLACES:
         rows, columns = np.nonzero(may)
         cells = np.unique(rows // step * width + columns // step, return_inverse=True)[1]
         result[may] = prices(windows.reshape(-1, windows.shape[2]), features[may], share[may], evenness, work, cells)
-    elif evenness > 0 and mean > 0:
-        used = usage(field if wanted is None else field[wanted], (height, width), radius, allowed)
-        result = np.maximum(0, used / share - 1) * relief * np.float32(evenness * mean)
+    if field is None or np.ptp(share) > 0:
+        return result[None, None]
+    variance = features.var(axis=(0, 1), dtype=np.float64).sum()
+    copies = crowding(field, (height, width), step) * np.float32(CROWDED * evenness * variance)
+    return result + copies.take(np.arange(height) // step, 2).take(np.arange(width) // step, 3)
+
+
+def charge(
+    share: Array, relief: Array, field: Field, mean: float, *, evenness: float, radius: int, allowed: Flags | None,
+    wanted: Flags | None,
+) -> Array:  # fmt: skip
+    """What each exemplar window (h, w) costs for being used more often than wanted, where it has no price.
+
+    Parameters
+    ----------
+    share, field, allowed
+        See :func:`standing`.
+    relief
+        Share (h, w) of the charge that a window pays: see :func:`local_relief`.
+    mean
+        Mean squared distance of the sources found last, 0 if none were.
+    evenness
+        What a window that is used twice as often as wanted pays in mean squared distances.
+    radius
+        Windows around one that count as the same place.
+    wanted
+        Output windows (rows, columns) that look for a source, if not all do: then there are no prices.
+    """
+    places = share.size if allowed is None else np.count_nonzero(allowed)
+    if evenness <= 0 or mean <= 0 or (wanted is None and places <= MOST_PLACES):
+        return np.zeros(share.shape, np.float32)
+    used = usage(field if wanted is None else field[wanted], share.shape, radius, allowed)
+    result: Array = np.maximum(0, used / share - 1) * relief * np.float32(evenness * mean)
     return result
+
+
+def crowding(field: Field, shape: tuple[int, int], step: int) -> Array:
+    """How many other copies of each place of the exemplar are shown around each of a x b tiles of the output.
+
+    Those count that are at most half the exemplar away, but not the nearest: a tile and the eight around it are the
+    place itself. Without a charge for them copies meet as chance has it: the eye finds those that are close together.
+
+    Parameters
+    ----------
+    field
+        Sources (rows, columns, 2) of the output's windows.
+    shape
+        Rows and columns of the exemplar's windows.
+    step
+        Distance of neighbouring windows of the output in pixels: as many exemplar windows each way count as one place.
+
+    Returns
+    -------
+    float32, (a, b, h / step, w / step), both rounded up.
+    """
+    from scipy.ndimage import uniform_filter
+
+    reach = min(shape) / 2 / step
+    tile = max(1, round(reach / 3))
+    sides = [-(-side // tile) for side in field.shape[:2]]
+    cells = [-(-side // step) for side in shape]
+    rows, columns = (np.arange(side) * count // side for side, count in zip(field.shape[:2], sides, strict=True))
+    place = (rows[:, None] * sides[1] + columns) * cells[0] + field[..., 0] // step
+    place = place * cells[1] + field[..., 1] // step
+    counts = np.bincount(place.ravel(), minlength=int(np.prod(sides + cells))).reshape(*sides, *cells)
+    shown = uniform_filter(counts.astype(np.float32), (1, 1, 3, 3), mode="nearest")
+    span = 2 * round(reach / tile) + 1
+    around, here = (uniform_filter(shown, (n, n, 1, 1), mode="constant") * np.float32(n * n) for n in (span, 3))
+    copies: Array = np.maximum(around - here, 0)
+    return copies
 
 
 def local_relief(image: Array, window: int) -> Array:

@@ -33,7 +33,8 @@ def search_exact(
     exemplar
         Coordinates (h, w, k) of the exemplar's windows.
     charge
-        Added to the squared distance (h, w); infinite where a window must not be used.
+        Added to the squared distance (a, b, h, w), in each of a x b tiles of the windows another; infinite where an
+        exemplar window must not be used.
     wanted
         Which windows look for a source (rows, columns); None = all. The costs of others are 0.
 
@@ -43,7 +44,7 @@ def search_exact(
         Row and column of the source, int32 (rows, columns, 2), and squared distance with charge (rows, columns).
     """
     rows, columns = windows.shape[:2]
-    places = np.argwhere(np.isfinite(charge)).astype(np.int32)
+    places = np.argwhere(np.isfinite(charge[0, 0])).astype(np.int32)
     stride = int(np.ceil(exact_cost(windows, exemplar) / LIST_LIMIT))
     places = np.ascontiguousarray(places[(stride - 1) // 2 :: stride])
     field = np.zeros((rows, columns, 2), np.int32)

@@ -18,6 +18,8 @@ from graphtex_nodes.numerics.search import EXACT_LIMIT, exact_cost, search_exact
 from graphtex_nodes.numerics.voting import robust_weights, vote_mean, vote_source, window_falloff
 from graphtex_nodes.numerics.windows import Basis, principal_basis
 
+STANDING = 2
+"""Turns for which a charge that hardly changes stands."""
 FADING = 0.25
 """Windows' sides over which the weight of what is not known yet falls to 1/e of that beside known pixels."""
 LEAST = 0.05
@@ -65,13 +67,13 @@ class _Level:
 
 @dataclass(frozen=True)
 class _Match:
-    """A source for each window, its weight in the vote, the mean squared distance, and what sources were charged."""
+    """A source for each window, its weight in the vote, the mean squared distance, and a charge that may stand."""
 
     field: Field
     weights: Array
     mean: float
     energy: float
-    charge: Array | None = None
+    standing: Array | None = None
 
 
 def synthesise(
@@ -222,13 +224,15 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, turn: 
     grid, wanted = level.frame.grid, level.wanted
     windows = level.basis.project(level.canvas, grid.step, work, wanted)
     chosen = slice(None) if wanted is None else wanted
-    charge = evenness.charge(
-        windows, level.features, level.share, level.relief, before.field, before.mean, evenness=settings.evenness,
-        step=grid.step, radius=grid.window // 2, allowed=level.allowed, wanted=wanted,
-        work=work, kept=before.charge if turn[1] % 2 else None,
+    standing = before.standing
+    if standing is None or turn[1] % STANDING == 0:
+        standing = _standing(level, windows, None if turn == (0, 0) else before.field, settings.evenness, work)
+    charge = standing + evenness.charge(
+        level.share, level.relief, before.field, before.mean,
+        evenness=settings.evenness, radius=grid.window // 2, allowed=level.allowed, wanted=wanted,
     )  # fmt: skip
     if level.allowed is not None:
-        charge[~level.allowed] = np.inf
+        charge[..., ~level.allowed] = np.inf
     if turn == (0, 0) or exact_cost(windows, level.features) <= EXACT_LIMIT:
         field, costs = search_exact(windows, level.features, charge, work, wanted)
     else:
@@ -236,10 +240,11 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, turn: 
             windows, level.features, charge, before.field,
             step=grid.step, seed=seed, passes=settings.passes, work=work, wanted=wanted,
         )  # fmt: skip
+    rows, columns = (np.arange(side) * n // side for side, n in zip(field.shape[:2], charge.shape[:2], strict=True))
+    distances = np.maximum(costs - charge[rows[:, None], columns, field[..., 0], field[..., 1]], 0)
     level.frame.wrap_windows(field)
-    level.frame.wrap_windows(costs)
-    found = field[chosen]
-    squared = np.maximum(costs[chosen] - charge[found[..., 0], found[..., 1]], 0)
+    level.frame.wrap_windows(distances)
+    squared = distances[chosen]
     if squared.size == 0:
         return _Match(field, np.ones(field.shape[:2], np.float32), 0.0, 0.0)
     energy = np.mean((squared / grid.window**2) ** (settings.exponent / 2), dtype=np.float64)
@@ -247,7 +252,17 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, turn: 
     weights[chosen] = robust_weights(squared, settings.exponent)
     if level.trust is not None:
         weights *= level.trust
-    return _Match(field, weights, float(np.mean(squared, dtype=np.float64)), float(energy), charge)
+    return _Match(field, weights, float(np.mean(squared, dtype=np.float64)), float(energy), standing)
+
+
+def _standing(level: _Level, windows: Array, field: Field | None, share: float, work: Work) -> Array:
+    """Charge that may stand for some turns; none where only some windows look for a source."""
+    if level.wanted is not None:
+        return np.zeros((1, 1, *level.share.shape), np.float32)
+    return evenness.standing(
+        windows, level.features, level.share, field,
+        evenness=share, step=level.frame.grid.step, allowed=level.allowed, work=work,
+    )  # fmt: skip
 
 
 def _vote(level: _Level, match: _Match, pixel_weights: Array, work: Work) -> None:

@@ -10,11 +10,13 @@ EXEMPLAR = RNG.random((11, 13, 4)).astype(np.float32)
 
 
 def all_costs(charge):
-    return ((WINDOWS[:, :, None, None] - EXEMPLAR) ** 2).sum(-1) + charge
+    rows, columns = np.arange(9) * charge.shape[0] // 9, np.arange(7) * charge.shape[1] // 7
+    return ((WINDOWS[:, :, None, None] - EXEMPLAR) ** 2).sum(-1) + charge[rows[:, None], columns]
 
 
-def test_exact_against_all_distances():
-    charge = (RNG.random((11, 13)) * 0.3).astype(np.float32)
+@pytest.mark.parametrize("tiles", [(1, 1), (3, 7), (4, 2)])
+def test_exact_against_all_distances(tiles):
+    charge = (RNG.random((*tiles, 11, 13)) * 0.3).astype(np.float32)
     field, costs = search_exact(WINDOWS, EXEMPLAR, charge, Context())
     expected = all_costs(charge).reshape(9, 7, -1)
     np.testing.assert_array_equal(field[..., 0] * 13 + field[..., 1], expected.argmin(-1))
@@ -23,8 +25,8 @@ def test_exact_against_all_distances():
 
 @pytest.mark.parametrize("warm", [False, True])
 def test_infinite_charge_is_never_chosen(warm):
-    charge = np.full((11, 13), np.inf, np.float32)
-    charge[4:6, 3] = 0
+    charge = np.full((1, 1, 11, 13), np.inf, np.float32)
+    charge[..., 4:6, 3] = 0
     field, _ = search_exact(WINDOWS, EXEMPLAR, charge, Context())
     if warm:
         field, _ = search_warm(WINDOWS, EXEMPLAR, charge, field, step=1, seed=1, passes=3, work=Context())
@@ -32,7 +34,7 @@ def test_infinite_charge_is_never_chosen(warm):
 
 
 def test_warm_passes_never_get_worse_and_near_the_best():
-    charge = np.zeros((11, 13), np.float32)
+    charge = (RNG.random((2, 3, 11, 13)) * 0.1).astype(np.float32)
     field = np.zeros((9, 7, 2), np.int32)
     before = all_costs(charge)[..., 0, 0]
     for seed in range(60):
@@ -51,7 +53,7 @@ def test_good_source_spreads_to_neighbours():
     field[8, 8] = 5 + 16, 3 + 16
     for seed in range(4):
         field, costs = search_warm(
-            windows, exemplar, np.zeros((40, 40), np.float32), field, step=2, seed=seed, passes=3, work=Context()
+            windows, exemplar, np.zeros((1, 1, 40, 40), np.float32), field, step=2, seed=seed, passes=3, work=Context()
         )
     assert np.mean(costs == 0) == 1
     np.testing.assert_array_equal(field[0, 0], [5, 3])
