@@ -8,8 +8,8 @@ from pathlib import Path
 
 from benchmarks.figures import Figure, table
 
-GROUPS = ("engine", "perspective", "plain", "speed", "completion", "materials", "splicing")
-WITH_TEXTURES = {"plain", "materials", "perspective"}  # groups that can measure the user's own pictures
+GROUPS = ("engine", "perspective", "plain", "speed", "completion", "materials", "splicing", "pairs")
+WITH_TEXTURES = {"plain", "materials", "perspective", "pairs"}  # groups that can measure the user's own pictures
 
 
 def main() -> int:

@@ -129,7 +129,7 @@ def _bed_joints(extension: Extension, warp: Array) -> tuple[float, float]:
     return float(np.mean(widths)), float(np.mean(slopes))
 
 
-def _splice(entry: PreparedTexture, arrangement: Texture) -> tuple[Any, Any, Any]:
+def splice(entry: PreparedTexture, arrangement: Texture) -> tuple[Any, Any, Any]:
     """What was moved, drawn and refined."""
     target = align_distributions(entry.extension, arrangement).target
     moves = hungarian(entry.extension, target).moves
@@ -145,7 +145,7 @@ def _pairs(pictures: Path | None) -> Iterator[Figure]:
     for name, entry in zip(SAMPLES, entries, strict=True):
         results.append(entry.texture.image)
         for other in entries:
-            moves, drawn, refined = _splice(entry, other.texture)
+            moves, drawn, refined = splice(entry, other.texture)
             results.append(refined.image)
             if other is not entry:
                 verdict = judge_splice(entry.extension, moves, refined.mask, refined.source, drawn.holes)
@@ -164,11 +164,11 @@ def _speed(side: int) -> Iterator[Figure]:
     draw = partial(textons, width=side, height=side, size=24.0, form="leaf", jitter=0.05)
     first, second = _texture(draw(arrangement="hexagonal", rng=5)), _texture(draw(arrangement="square", rng=6))
     entry = prepare_texture(first)
-    _splice(entry, second)
+    splice(entry, second)
     size = f"{side} x {side}"
     prepared, new = (
-        seconds(partial(_splice, entry, second), 3),
-        seconds(lambda: _splice(prepare_texture(first), second), 3),
+        seconds(partial(splice, entry, second), 3),
+        seconds(lambda: splice(prepare_texture(first), second), 3),
     )
     yield Figure(f"splice from a database, {size}, s; reference two new textures", prepared, "", new)
     yield Figure(f"splice from a database, {size}, time over that of new textures", prepared / new, "<= 0.2")
