@@ -7,6 +7,7 @@ from pathlib import Path
 from string import Template
 
 from graphtex.errors import GraphError, Problem
+from graphtex.whole import write_text
 
 _TEMPLATES = Path(__file__).resolve().parent / "_templates"
 
@@ -58,7 +59,7 @@ def new_graph(name: str, folder: Path) -> list[Path]:
 
 def _write(template: Path, target: Path, **values: str) -> Path:
     target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(Template(template.read_text(encoding="utf-8")).substitute(values), encoding="utf-8")
+    write_text(target, Template(template.read_text(encoding="utf-8")).substitute(values))
     return target
 
 

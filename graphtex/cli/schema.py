@@ -2,7 +2,7 @@
 
 import json
 
-from graphtex.cli.show import Output, write_text
+from graphtex.cli.show import Output, save_text
 from graphtex.cli.terminal import DONE, print_json
 
 
@@ -22,5 +22,5 @@ def schema(*, output: Output = None) -> int:
     if output is None:
         print_json(made)
     else:
-        write_text(output, json.dumps(made, ensure_ascii=False, indent=2) + "\n")
+        save_text(output, json.dumps(made, ensure_ascii=False, indent=2) + "\n")
     return DONE

@@ -7,6 +7,7 @@ from cyclopts import Parameter
 
 from graphtex.cli.terminal import DONE, out
 from graphtex.errors import GraphError, Problem, did_you_mean
+from graphtex.whole import write_text
 
 Output = Annotated[Path | None, Parameter(name=("-o", "--output"))]
 KINDS = {".svg": "svg", ".mmd": "mermaid", ".html": "html"}
@@ -36,15 +37,16 @@ def show(graph: str, /, *, output: Output = None) -> int:
     if output is None:
         out(text.rstrip("\n"))
     else:
-        write_text(output, text)
+        save_text(output, text)
     return DONE
 
 
-def write_text(file: Path, text: str) -> None:
+def save_text(file: Path, text: str) -> None:
     """Write a file and print its path; GraphError if it cannot be written."""
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text, encoding="utf-8")
+        write_text(file, text)
     except OSError as error:
-        raise GraphError([Problem("", 0, 0, "-o", f"{str(file)!r} cannot be written: {error.strerror}")]) from error
+        message = f"{str(file)!r} cannot be written: {error.strerror or error}"
+        raise GraphError([Problem("", 0, 0, "-o", message)]) from error
     out(str(file))

@@ -2,7 +2,6 @@
 
 import codecs
 import os
-import tempfile
 from pathlib import Path
 
 from graphtex.document import Document
@@ -10,6 +9,7 @@ from graphtex.errors import GraphError, Problem
 from graphtex.files.reader import read
 from graphtex.files.writer import dumps
 from graphtex.files.yamltree import BULK_HINT, MAX_SIZE
+from graphtex.whole import write_text
 
 _FOREIGN = ((codecs.BOM_UTF32_LE, "UTF-32"), (codecs.BOM_UTF32_BE, "UTF-32"), (codecs.BOM_UTF16_LE, "UTF-16"),
             (codecs.BOM_UTF16_BE, "UTF-16"))  # fmt: skip
@@ -73,25 +73,7 @@ def save(graph: Document, path: str | os.PathLike[str]) -> None:
     GraphError
         If the graph or the file cannot be written; an existing file is left as it was.
     """
-    text = dumps(graph)
-    target = Path(os.path.realpath(path))  # a symbolic link stays one
-    temporary = ""
     try:
-        mode = target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~_umask()
-        handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:40]}-", suffix=".tmp", dir=target.parent)
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(text.encode())
-            stream.flush()
-            os.fsync(stream.fileno())
-        Path(temporary).chmod(mode)
-        Path(temporary).replace(target)
+        write_text(Path(path), dumps(graph))
     except OSError as error:
-        if temporary:
-            Path(temporary).unlink(missing_ok=True)
         raise GraphError([Problem(str(path), 0, 0, "", f"cannot be written: {error.strerror or error}")]) from error
-
-
-def _umask() -> int:
-    mask = os.umask(0o077)
-    os.umask(mask)
-    return mask

@@ -22,6 +22,7 @@ from graphtex.show.page import drawn, heading, page, table
 from graphtex.show.paint import svg
 from graphtex.show.scene import brief
 from graphtex.show.style import escape
+from graphtex.whole import write_text
 
 OUTPUT_SIZE = 640  # longest side of the picture of an output
 _LISTED = 4  # warnings and failures that stand at the top unfolded
@@ -86,14 +87,9 @@ def write_report(
 ) -> None:
     """Write `report_html` to a file, whole or not at all; OutputError if that is not possible."""
     text = report_html(result, seconds=seconds, outputs=outputs, warnings=warnings, inputs=inputs, folder=path.parent)
-    scratch = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            scratch.write_text(text, encoding="utf-8")
-            scratch.replace(path)
-        finally:
-            scratch.unlink(missing_ok=True)
+        write_text(path, text)
     except OSError as error:
         raise OutputError(f"{path}: {error.strerror or error}") from error
 

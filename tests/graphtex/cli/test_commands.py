@@ -1,6 +1,8 @@
 """``check``, ``show``, ``schema``, ``new``, ``cache`` and ``demo``."""
 
+import errno
 import json
+import os
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -83,6 +85,29 @@ def test_show_refuses_what_it_cannot_write(command: Command, small: Path, name: 
     told = command("show", "small.yaml", "-o", name)
     assert told.status == 2
     assert told.err.startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("words", "file"),
+    [
+        (("show", "small.yaml", "-o", "graph.svg"), "graph.svg"),
+        (("schema", "-o", "all.json"), "all.json"),
+        (("new", "mine.yaml"), "mine.yaml"),
+    ],
+)
+def test_a_full_disk_leaves_no_part_of_a_file(
+    command: Command, small: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], file: str
+) -> None:
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    before = sorted(Path().iterdir())
+    told = command(*words)
+    assert told.status == 2
+    assert file in told.err
+    assert "cannot be written: No space left on device" in told.err
+    assert sorted(Path().iterdir()) == before
 
 
 def test_schema_is_printed_or_written(command: Command) -> None:
