@@ -12,6 +12,7 @@ from benchmarks.figures import Figure, in_turns
 from graphtex_nodes import contact_sheet, draw_elements, find_textons, separate_foreground, textons
 from graphtex_nodes.image.save import save_image
 from graphtex_nodes.splicing._automatic import TRIED
+from graphtex_nodes.splicing._partitions import partitions
 from graphtex_nodes.splicing._proposals import proposals
 from graphtex_nodes.splicing._templates import Example
 
@@ -104,7 +105,7 @@ def speed() -> Iterator[Figure]:
 
     def careful() -> None:
         for made in pictures:
-            for guess in proposals(made.image)[:TRIED]:
+            for guess in proposals(made.image, partitions(made.image))[:TRIED]:
                 find_textons(made.image, examples=[guess.example])
 
     def cut() -> None:

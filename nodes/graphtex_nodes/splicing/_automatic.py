@@ -6,85 +6,147 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.splicing._detection import Detection, Search, thinned
+from graphtex_nodes.splicing._detection import Detection, Search
+from graphtex_nodes.splicing._partitions import LARGEST_SHARE, LEAST_COUNT, Parts, partitions
 from graphtex_nodes.splicing._peaks import score_floor
 from graphtex_nodes.splicing._poses import Poses
-from graphtex_nodes.splicing._proposals import LEAST_COUNT, Proposal, proposals
+from graphtex_nodes.splicing._proposals import Proposal, enlarged, from_parts, proposals
 from graphtex_nodes.splicing._templates import Example
 
 Array = NDArray[Any]
 
 TRIED = 7  # proposals
-OTHER = 0.25  # share of a proposal's parts that must be no elements yet, for it to be a second kind
+OTHER = 0.25  # share of the parts that must have been missed for them to be a second kind
 GAIN = 1.1  # by which a second kind must explain more
+MISSED = 0.1  # share of the parts up to which what looks alike may miss some and yet mean the same
+VARIED = 0.2  # deviation of logarithms of areas from which parts are not all alike
+SPECK = 0.1  # of the typical area: smaller parts are no elements
+CUT_OFF = 0.5  # of it: smaller parts at the border are not counted, their centres are too uncertain
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Examples, one for each kind of element (at most two), what looks like them, and how sure this is, 0 to 1."""
+    """Examples, one for each kind of element (at most two), what was found, and how sure this is, 0 to 1.
+
+    Elements are those found with a score of at least `floor`.
+    """
 
     examples: list[Example]
     found: Detection
+    floor: float
     confidence: float
+
+    @property
+    def points(self) -> Array:
+        """Where the elements are, (n, 2)."""
+        points: Array = _likely(self.found.poses, self.floor).points
+        return points
 
 
 def choose(image: Array, search: Search) -> Choice | None:
-    """The examples that explain a picture best; None without elements.
+    """The elements that explain a picture best; None without any.
 
-    Guesses are compared by quick trials; the winner is searched with care, and so is the best pair if it wins.
+    Either all that looks like an example, or parts of the picture that stand apart, however unlike they are. Parts are
+    taken if they look more like elements than the others explain, and the others miss some of them or all have one
+    size where the parts have not. They have no angles.
     """
-    guesses = proposals(image)[:TRIED]
-    trials = [search.tried(guess.example) for guess in guesses]
-    merits = [_merit([guess], [trial], search, image.shape) for guess, trial in zip(guesses, trials, strict=True)]
+    divided = partitions(image)
+    alike = _alike(image, divided, search)
+    if not divided:
+        return alike
+    parts = _of_parts(divided[0], search)
+    if alike is None:
+        return parts
+    same = _missed(alike, divided[0]).sum() <= MISSED * divided[0].fits.sum()
+    if same and (search.growth > 1 or len(alike.examples) > 1 or divided[0].spread <= VARIED):
+        return replace(alike, confidence=max(alike.confidence, parts.confidence))
+    return alike if alike.confidence >= parts.confidence else parts
+
+
+def _of_parts(parts: Parts, search: Search) -> Choice:
+    """All parts of a partition that may be elements; the scale of each is the root of its area over the typical one."""
+    fits = np.flatnonzero(parts.fits)
+    by_size = fits[np.argsort(parts.areas[fits], kind="stable")]
+    covered = np.cumsum(parts.areas[by_size])
+    middle = by_size[np.searchsorted(covered, covered[-1] / 2)]
+    typical = parts.areas[middle]
+    scales = np.sqrt(parts.areas / typical)
+    sides = (parts.boxes[:, [3, 1]] - parts.boxes[:, [2, 0]]) / scales[:, None]
+    width, height = np.median(sides[fits], axis=0)
+    x, y = parts.points[middle]
+    example = enlarged(Example.model_construct(x=x, y=y, width=width, height=height), parts.step, parts.size)
+    kept = parts.fits & (parts.areas >= SPECK * typical)
+    kept |= ~parts.fits & (parts.areas >= CUT_OFF * typical) & (parts.areas <= LARGEST_SHARE * parts.labels.size)
+    scores = np.clip(2 * parts.roundness - 1, 0, 1)
+    index = np.flatnonzero(kept)
+    index = index[np.argsort(-scores[index], kind="stable")]
+    nothing = np.zeros(len(index))
+    poses = Poses(parts.points[index] * parts.step, nothing, scales[index], scores[index], nothing.astype(np.int64))
+    return Choice([example], replace(search.detect([example]), poses=poses), 0.0, parts.merit)
+
+
+def _alike(image: Array, divided: list[Parts], search: Search) -> Choice | None:
+    """What looks like one example, or like two, and explains the picture best.
+
+    Guesses are compared by quick trials; the winner is searched with care. A second kind is what of the best
+    partition's parts it has missed.
+    """
+    guesses = proposals(image, divided)[:TRIED]
+    merits = [_trial(guess, search, image.shape) for guess in guesses]
     if not merits or max(merits) <= 0:
         return None
-    first = int(np.argmax(merits))
-    one = _chosen([guesses[first]], search, image.shape)
-    pair, best = None, GAIN * one.confidence
-    points = _kept(one.found.poses).points
-    for index, guess in enumerate(guesses):
-        left = _left(guess, points)
-        if index == first or len(left) < OTHER * len(guess.likes):
-            continue
-        x, y = left[len(left) // 2]
-        moved = replace(guess, example=guess.example.model_copy(update={"x": float(x), "y": float(y)}))
-        both = [guesses[first], moved]
-        merit = _merit(both, [one.found.poses, search.tried(moved.example)], search, image.shape)
-        if merit > best:
-            pair, best = both, merit
-    return one if pair is None else _chosen(pair, search, image.shape)
+    first = guesses[int(np.argmax(merits))]
+    one = _searched([first.example], first.merit, search, image.shape)
+    if not divided:
+        return one
+    missed = _missed(one, divided[0])
+    second = from_parts(divided[0], missed) if missed.sum() >= OTHER * divided[0].fits.sum() else None
+    if second is None:
+        return one
+    both = _searched([first.example, second.example], divided[0].merit, search, image.shape)
+    return both if both.confidence > GAIN * one.confidence else one
 
 
-def _chosen(guesses: list[Proposal], search: Search, shape: tuple[int, ...]) -> Choice:
-    """Proposals together, searched with care."""
-    examples = [guess.example for guess in guesses]
+def _missed(choice: Choice, parts: Parts) -> Array:
+    """Which of the parts (n,) fit and are yet none of the elements chosen."""
+    from scipy.spatial import cKDTree
+
+    missed = parts.fits.copy()
+    if len(choice.points):
+        short = min(min(example.width, example.height) for example in choice.examples)
+        missed &= np.asarray(cKDTree(choice.points).query(parts.points * parts.step)[0]) > short / 2
+    return missed
+
+
+def _trial(guess: Proposal, search: Search, shape: tuple[int, ...]) -> float:
+    poses = search.tried(guess.example)
+    return guess.merit * explained(_likely(poses, score_floor(poses.scores)), [guess.example], shape)
+
+
+def _searched(examples: list[Example], merit: float, search: Search, shape: tuple[int, ...]) -> Choice:
     found = search.detect(examples)
-    return Choice(examples, found, min(g.merit for g in guesses) * explained(_kept(found.poses), examples, shape))
+    floor = score_floor(found.poses.scores)
+    return Choice(examples, found, floor, merit * explained(_likely(found.poses, floor), examples, shape))
 
 
-def _merit(guesses: list[Proposal], trials: list[Poses], search: Search, shape: tuple[int, ...]) -> float:
-    """How much proposals explain together, by their trials."""
-    examples = [guess.example for guess in guesses]
-    both = Poses.joined([replace(poses, kinds=poses.kinds + kind) for kind, poses in enumerate(trials)])
-    return min(guess.merit for guess in guesses) * explained(
-        _kept(thinned(both, examples, search.radius)), examples, shape
-    )
-
-
-def _kept(poses: Poses) -> Poses:
-    return poses.take(poses.scores >= score_floor(poses.scores))
+def _likely(poses: Poses, floor: float) -> Poses:
+    return poses.take(poses.scores >= floor)
 
 
 def explained(poses: Poses, examples: list[Example], shape: tuple[int, ...]) -> float:
-    """Mean correlation x root of the share of the picture in elements' boxes x regularity; 0 for too few."""
+    """Mean correlation x root of the share of the picture in elements' boxes x regularity; 0 for too few.
+
+    What several boxes share counts against it.
+    """
     if len(poses.points) < LEAST_COUNT:
         return 0.0
-    covered = np.zeros(shape[:2], bool)
+    covered = np.zeros(shape[:2], np.int32)
     for (x, y), scale, kind in zip(poses.points, poses.scales, poses.kinds, strict=True):
         across, down = examples[kind].width * scale / 2, examples[kind].height * scale / 2
         top, left = max(0, round(y - down)), max(0, round(x - across))
-        covered[top : max(0, round(y + down)), left : max(0, round(x + across))] = True
-    return float(poses.scores.mean() * np.sqrt(covered.mean()) * regularity(poses.points))
+        covered[top : max(0, round(y + down)), left : max(0, round(x + across))] += 1
+    share = max(0.0, float((covered > 0).mean() - (covered > 1).mean()))
+    return float(poses.scores.mean() * np.sqrt(share) * regularity(poses.points))
 
 
 def regularity(points: Array) -> float:
@@ -93,12 +155,3 @@ def regularity(points: Array) -> float:
 
     nearest = np.asarray(cKDTree(points).query(points, 2)[0])[:, 1]
     return float(1 / (1 + nearest.std() / max(nearest.mean(), 1e-9)))
-
-
-def _left(guess: Proposal, points: Array) -> Array:
-    """The parts of a proposal that are none of the elements found."""
-    from scipy.spatial import cKDTree
-
-    apart = np.asarray(cKDTree(points).query(guess.likes)[0])
-    left: Array = guess.likes[apart > min(guess.example.width, guess.example.height) / 2]
-    return left

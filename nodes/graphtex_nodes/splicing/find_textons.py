@@ -11,7 +11,7 @@ from graphtex_nodes.splicing._templates import Example
 
 Array = NDArray[Any]
 
-DOUBTFUL = 0.35  # confidence below which automatic results are rarely right
+DOUBTFUL = 0.5  # confidence below which automatic results are rarely right
 COVERED = 0.95  # share of the picture at which the literal search stops
 
 
@@ -58,9 +58,12 @@ def find_textons(
     image
         Shape (h, w, c).
     examples
-        Each with ``x``, ``y`` (its centre), ``width`` and ``height`` in pixels. Without any, parts of even colour,
-        their thickest places and blobs propose elements; the one that explains the picture best (mean correlation x
-        root of the covered share x regularity) is taken, and a second kind if it explains more.
+        Each with ``x``, ``y`` (its centre), ``width`` and ``height`` in pixels. Without any the picture is divided, in
+        halves of its colours and along its dark and its bright joints, and each partition judged by how round, even and
+        free its parts are. Of each the typical part, and blobs, are tried as examples; the one that explains the
+        picture best is taken (mean correlation x root of the share covered once x regularity), and a second kind if
+        that explains more. Where it misses parts of the best partition, or these differ in size, and the parts
+        look more like elements than it explains, all parts are elements, however unlike: stones of a wall, say.
     turn, growth
         Ranges of the search. When any is used, templates every 15 degrees and factor 1.2 are tried, and the matches
         are refined. Angles and scales are relative to the example. Matching then goes by colours' shares of the light
@@ -73,15 +76,17 @@ def find_textons(
     -------
     elements, points
         The strongest first. A centre is where the example's given centre would be. `elements` has those too that are
-        cut by the border with their centre outside, `points` has not.
+        cut by the border with their centre outside, `points` has not. The scale of a part is the root of its area over
+        the typical one, its angle 0.
     scores
-        Correlation with the mean element, at most 1.
+        Correlation with the mean element, at most 1; of parts 0 for forked ones to 1 for ellipses.
     width, height
         The (mean) example's size, pixels.
     similarity
         Shape (h, w, 1): the best correlation at each pixel; enlarged where it was searched at a lower resolution.
     confidence
-        In automatic mode how well the elements explain the picture, 0 to 1; with examples the mean score.
+        In automatic mode how well the elements explain the picture or the parts stand apart, 0 to 1: noise has up to
+        0.4, and there is a warning below 0.5. With examples the mean score.
 
     Raises
     ------
@@ -106,6 +111,7 @@ def find_textons(
     given, confidence = list(examples), -1.0
     if given:
         found = sought.detect(given)
+        floor = score_floor(found.poses.scores)
     else:
         choice = choose(image, sought)
         if choice is None:
@@ -113,11 +119,10 @@ def find_textons(
                 f"image: expected at least 4 alike elements, found none in {image.shape[1]} x {image.shape[0]} pixels; "
                 f"give one in examples"
             )
-        given, found, confidence = choice.examples, choice.found, choice.confidence
+        given, found, floor, confidence = choice.examples, choice.found, choice.floor, choice.confidence
         if confidence < DOUBTFUL:
             ctx.warn(f"confidence {confidence:.2f}: these may not be the elements; better give one in examples")
-    scores = found.poses.scores
-    poses = found.poses.take(scores >= (score_floor(scores) if least_score is None else least_score))
+    poses = found.poses.take(found.poses.scores >= (floor if least_score is None else least_score))
     if not len(poses.points):
         raise ValueError(f"least_score: expected at least one element, got none with a score of {least_score}")
     last = np.array(image.shape[1::-1]) - 1
