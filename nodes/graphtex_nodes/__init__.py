@@ -13,6 +13,7 @@ from graphtex_nodes.image.convert import (
     mask_from_image,
     pick_channels,
 )
+from graphtex_nodes.image.crop_image import crop_image
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
@@ -87,6 +88,7 @@ __all__ = [
     "bricks",
     "complete",
     "contact_sheet",
+    "crop_image",
     "draw_elements",
     "estimate_angles",
     "exemplar_inpaint",
