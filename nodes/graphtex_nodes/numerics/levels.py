@@ -130,7 +130,8 @@ def fitting(stages: Sequence[Stage], usable: Sequence[NDArray[np.bool_]]) -> lis
     """Stages for an exemplar of which only some pixels are usable: ``usable`` masks of its levels, the finest first.
 
     Windows are halved, but not below :data:`LEAST`, until :data:`FEW` of them hold usable pixels only; a stage where
-    fewer do is left out. If all are, what is left is one on the finest level with the largest window that fits once.
+    fewer do is left out. If all are, what is left is one on the finest level with the largest window that fits as
+    often, or at a quarter of the usable pixels where these are few: one place alone would be pasted everywhere.
     """
     result: list[Stage] = []
     for stage in stages:
@@ -142,7 +143,8 @@ def fitting(stages: Sequence[Stage], usable: Sequence[NDArray[np.bool_]]) -> lis
             result.append(Stage(stage.level, window, stage.iterations))
     if not result or result[-1].level > 0:
         window = stages[-1].window
-        while _count(usable[0], window) == 0:
+        enough = min(FEW, np.count_nonzero(usable[0]) / 4)
+        while _count(usable[0], window) < enough:
             window -= 1
         result.append(Stage(0, window, stages[-1].iterations))
     return result

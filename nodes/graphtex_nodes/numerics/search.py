@@ -45,7 +45,8 @@ def search_exact(
     """
     rows, columns = windows.shape[:2]
     places = np.argwhere(np.isfinite(charge[0, 0])).astype(np.int32)
-    stride = int(np.ceil(exact_cost(windows, exemplar) / LIST_LIMIT))
+    seen = exact_cost(windows, exemplar) * len(places) / charge[0, 0].size
+    stride = min(len(places), int(np.ceil(seen / LIST_LIMIT)))
     places = np.ascontiguousarray(places[(stride - 1) // 2 :: stride])
     field = np.zeros((rows, columns, 2), np.int32)
     costs = np.zeros((rows, columns), np.float32)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Axes, Context, Image, Mask, Rng, ScaleMap, SourceMap, node
+from graphtex_nodes.perspective._parameters import Kinds
 
 Array = NDArray[Any]
 Box = tuple[slice, slice]
@@ -57,6 +58,7 @@ def complete(
         float, Field(ge=0, le=100, description="windows: strength of histogram matching; 0 = none")
     ] = 0.0,
     evenness: Annotated[float, Field(ge=0, le=100, description="windows: charge for overused parts; 0 = none")] = 0.0,
+    kinds: Kinds = [],  # noqa: B006 (parameters are copied)
     rng: Rng = 0,
     ctx: Context = QUIET,
 ) -> Completion:
@@ -91,6 +93,10 @@ def complete(
     scale_weight
         With ``pieces`` only whether it is 0: then the photo is shifted without regard to scale.
 
+    kinds
+        What the channels of stacked material maps are: all are filled from the same places, and normals in the hole are
+        made unit vectors again after seams are blended.
+
     Returns
     -------
     Completion
@@ -101,7 +107,8 @@ def complete(
     Raises
     ------
     ValueError
-        The hole is everything, nothing is left to take from, or ``given`` has no map.
+        The hole is everything, nothing is left to take from, ``given`` has no map, or kinds do not add up to the
+        photo's channels.
 
     Notes
     -----
@@ -117,11 +124,14 @@ def complete(
     True
     """
     from graphtex_nodes.numerics.jit import announce
+    from graphtex_nodes.numerics.materials import renormalised, require_channels
     from graphtex_nodes.numerics.parallel import Portion
     from graphtex_nodes.numerics.sources import own_places
 
     if hole.all():
         raise ValueError(f"hole: expected some pixels outside it, got all of shape {hole.shape}")
+    if kinds:
+        require_channels(kinds, photo.shape[2])
     if continuation == "given" and scale is None:
         raise ValueError("scale: expected a map to take as given, got none")
     usable = ~hole if source is None else source & ~hole
@@ -153,6 +163,7 @@ def complete(
         if rest.any():
             announce(ctx, *WINDOWS)
             canvas.put_windows(part, rest, box, taken, scale_weight, plan, rng, work)
+    canvas.image[hole] = renormalised(canvas.image[hole], kinds)
     return Completion(canvas.image, canvas.scales, canvas.places)
 
 

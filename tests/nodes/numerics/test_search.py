@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from graphtex import Context
+from graphtex_nodes.numerics import search
 from graphtex_nodes.numerics.search import search_exact, search_warm
 
 RNG = np.random.default_rng(5)
@@ -31,6 +32,16 @@ def test_infinite_charge_is_never_chosen(warm):
     if warm:
         field, _ = search_warm(WINDOWS, EXEMPLAR, charge, field, step=1, seed=1, passes=3, work=Context())
     assert set(map(tuple, field.reshape(-1, 2).tolist())) <= {(4, 3), (5, 3)}
+
+
+def test_a_part_of_many_windows_is_never_empty(monkeypatch):
+    """However few may be used, and however few of all could be seen in time."""
+    monkeypatch.setattr(search, "LIST_LIMIT", 10)
+    charge = np.full((1, 1, 11, 13), np.inf, np.float32)
+    charge[..., 4, 3] = 0
+    field, costs = search_exact(WINDOWS, EXEMPLAR, charge, Context())
+    assert (field == [4, 3]).all()
+    assert np.isfinite(costs).all()
 
 
 def test_warm_passes_never_get_worse_and_near_the_best():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graphtex_nodes.numerics.levels import Stage, automatic_levels, eased, most_levels, stages
+from graphtex_nodes.numerics.levels import FEW, Stage, automatic_levels, eased, fitting, most_levels, stages
 from graphtex_nodes.numerics.structure import structure
 
 NOISE = np.random.default_rng(0).random((128, 128, 1)).astype(np.float32)
@@ -69,3 +69,20 @@ def test_windows_fit_the_exemplar(shape):
     for levels in range(1, most_levels(shape) + 1):
         for stage in stages(shape, levels, (64, 8), 1):
             assert 1 <= stage.window <= -(-min(shape) // 2**stage.level)
+
+
+@pytest.mark.parametrize(("period", "window"), [(1, 8), (5, 4), (2, 1)])
+def test_windows_fit_between_what_is_not_usable(period, window):
+    """Lines each ``period`` pixels are not usable: the largest windows between them, not one that fits somewhere."""
+    lines = np.arange(80) % period == (period - 1 if period > 1 else -1)
+    usable = ~(lines[:, None] | lines)
+    usable[:8, :8] = True
+    assert fitting([Stage(0, 8, 3)], [usable]) == [Stage(0, window, 3)]
+
+
+def test_few_usable_pixels_make_smaller_windows():
+    """Of a square of 8 x 8 pixels a quarter are places of a window of 5 x 5."""
+    usable = np.zeros((30, 30), bool)
+    usable[10:18, 10:18] = True
+    assert usable.sum() <= FEW
+    assert fitting([Stage(0, 8, 3)], [usable]) == [Stage(0, 5, 3)]

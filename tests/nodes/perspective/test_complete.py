@@ -6,6 +6,8 @@ import pytest
 from graphtex import Context
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.pebbles import pebbles
+from graphtex_nodes.image.maps import stack_maps
+from graphtex_nodes.image.normals import normals_from_height
 from graphtex_nodes.numerics.continuation import continued, fitted_plane
 from graphtex_nodes.numerics.plane_moves import Slope
 from graphtex_nodes.perspective.complete import complete
@@ -176,6 +178,32 @@ def test_same_bytes_with_two_threads(method):
         np.testing.assert_array_equal(one, other)
 
 
+@pytest.mark.parametrize("method", ["pieces", "windows"])
+def test_material_maps_stay_aligned_and_normals_unit(method):
+    """A map that says the same as a channel still does, and blended seams leave no short normals."""
+    made = bricks(width=128, height=128, size=24.0, slant=40.0, rng=1)
+    normals = normals_from_height(made.height, relief=4.0)
+    stack = stack_maps([made.image, normals, made.image[..., :1]], kinds=["colour", "normal", "scalar"])
+    hole = np.hypot(*(np.mgrid[:128, :128] - 64)) < 20
+    image = complete(stack, hole, method=method, kinds=["colour", "normal", "scalar"], ctx=QUIET).image
+    np.testing.assert_array_equal(image[~hole], stack[~hole])
+    np.testing.assert_allclose(image[..., 6], image[..., 0], atol=2e-3)
+    length = np.linalg.norm(image[hole][:, 3:6] * 2 - 1, axis=1)
+    np.testing.assert_allclose(length, 1, atol=0.0101)
+    if method == "pieces":  # which bends the colours so much that the test would see it
+        plain = complete(stack, hole, ctx=QUIET).image
+        assert abs(np.linalg.norm(plain[hole][:, 3:6] * 2 - 1, axis=1) - 1).max() > 0.02
+
+
+def test_sprinkled_pixels_take_from_many_places():
+    """With half of all pixels unknown hardly a window is whole; what is filled in still has the photo's colours."""
+    photo, _ = plane("pebbles")
+    hole = np.random.default_rng(0).random((256, 256)) < 0.5
+    result = complete(photo, hole, ctx=QUIET)
+    assert len(np.unique(result.source[hole][:, 1:3].astype(int), axis=0)) > 1000
+    np.testing.assert_allclose(result.image[hole].mean(axis=0), photo[hole].mean(axis=0), atol=0.03)
+
+
 def test_given_scale_is_kept():
     scale = SLOPE[::-1].copy()
     result = complete(NOISE, hole_of("corner"), scale, continuation="given", iterations=1, ctx=QUIET)
@@ -190,6 +218,7 @@ def test_given_scale_is_kept():
         ({"source": np.zeros((40, 50), bool)}, "source: expected some pixels"),
         ({"source": hole_of("corner")}, "source: expected some pixels"),
         ({"continuation": "given"}, "scale: expected a map"),
+        ({"kinds": ["colour", "scalar"]}, "kinds: colour \\+ scalar are 4 channels, the picture has 3"),
     ],
 )
 def test_refuses(wrong, message):
