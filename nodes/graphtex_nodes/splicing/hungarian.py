@@ -44,7 +44,7 @@ def hungarian(
     Parameters
     ----------
     elements
-        Textons (n) to be moved; those that its border cuts take no part.
+        Textons (n) to be moved; those that its border cuts are taken only where there are too few others.
     target
         Places (m) in pixels of the window, with an angle and a scale each.
     farthest
@@ -72,16 +72,15 @@ def hungarian(
         raise ValueError("elements: expected at least one texton, got none")
     if len(target.points) == 0:
         raise ValueError("target: expected at least one place, got none")
-    whole = np.flatnonzero(_whole(elements))
-    if len(whole) * len(target.points) > MOST_PAIRS:
+    if len(points) * len(target.points) > MOST_PAIRS:
         raise ValueError(
-            f"target: expected at most {MOST_PAIRS:.0e} pairs of textons and places, got {len(whole)} x "
+            f"target: expected at most {MOST_PAIRS:.0e} pairs of textons and places, got {len(points)} x "
             f"{len(target.points)}: a smaller window has fewer"
         )
     places = target.points + np.array([elements.left, elements.top])
-    extra = np.where(_joined(elements)[whole], JOINT * _usual_distance(points), 0.0)
-    chosen, taken, distances = assign(points[whole], places, farthest, extra)
-    moved = whole[chosen]
+    extra = np.where(_joined(elements), JOINT * _usual_distance(points), 0.0)
+    extra[_cut(elements)] = sum(elements.mask.shape)
+    moved, taken, distances = assign(points, places, farthest, extra)
     empty = len(places) - len(taken)
     if empty:
         ctx.warn(f"{empty} of {len(places)} places got no texton: extend the elements by a larger factor")
@@ -129,14 +128,13 @@ def carried(known: Array, shifts: Array, points: Array) -> Array:
     return result
 
 
-def _whole(elements: Extension) -> Array:
-    """Which textons do not touch the border; all if each does."""
+def _cut(elements: Extension) -> Array:
+    """Which textons touch the border."""
     labels = elements.labels
     cut = np.zeros(len(elements.points) + 1, bool)
     for line in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
         cut[line] = True  # -1, the background, is the last
-    whole: Array = ~cut[:-1]
-    return whole if whole.any() else ~whole
+    return cut[:-1]
 
 
 def _joined(elements: Extension) -> Array:

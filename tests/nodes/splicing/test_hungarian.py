@@ -54,9 +54,10 @@ def test_a_texton_that_would_have_to_go_too_far_stays():
     assert found.distance == 2
 
 
-def test_elements_cut_by_the_border_take_no_part():
-    found = hungarian(whole(discs([[1, 20], [20, 20]])), elements([[0, 20]]))
-    assert found.moves.matched.tolist() == [0, 1]
+def test_elements_cut_by_the_border_are_taken_last():
+    extension = whole(discs([[1, 20], [20, 20]]))
+    assert hungarian(extension, elements([[0, 20]])).moves.matched.tolist() == [0, 1]
+    assert hungarian(extension, elements([[0, 20], [30, 20]])).moves.targets[:, 0].tolist() == [0, 30]
 
 
 def test_three_places_for_hundreds_and_hundreds_for_three():
