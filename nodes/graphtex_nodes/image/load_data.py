@@ -170,4 +170,6 @@ def _load_npz(path: Path, kinds: dict[str, str]) -> dict[str, NDArray[Any]]:
     for key, kind in kinds.items():
         if found[key].dtype.kind != kind:
             raise ValueError(f"{path}: field {key} is of kind {kind!r}, got {found[key].dtype}")
+        if kind == "f" and not np.isfinite(found[key]).all():
+            raise ValueError(f"{path}: field {key}: expected finite numbers, got NaN or infinite ones")
     return found

@@ -63,13 +63,16 @@ def prepare_texture(texture: Texture, *, width: Side = 0, height: Side = 0, ctx:
     ValueError
         The texture's parts do not fit together, it has no texton in the window, or the window is too large.
     """
+    if not len(texture.points):
+        raise ValueError("texture: expected at least one texton, got none")
     sides = [min(side, LARGEST_WINDOW) for side in texture.mask.shape]
     extension = extend_texture(texture, width=width or sides[1], height=height or sides[0], ctx=ctx)
-    if len(texture.points) and not len(extension.points):
+    if not len(extension.points):
         rows, columns = texture.mask.shape
         raise ValueError(
-            f"texture: expected a window that holds a texton, got none in the middle {extension.width} x "
-            f"{extension.height} pixels of {columns} x {rows}: shrink the picture, or take a larger window"
+            f"texture: expected textons in and around the window, got none of {len(texture.points)} for the middle "
+            f"{extension.width} x {extension.height} pixels of {columns} x {rows}: shrink the picture, take a larger "
+            f"window, or give more points"
         )
     factors = factor_warp(extension, ctx=ctx)
     return PreparedTexture(texture, extension, factors.x, factors.y, neighbour_sets(texture, ctx=ctx))

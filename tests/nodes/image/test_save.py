@@ -315,6 +315,9 @@ def test_archives_that_are_damaged_or_hold_objects(tmp_path):
     np.savez(tmp_path / "b.npz", views=np.array([{}]), directions=np.zeros((1, 4)))
     with pytest.raises(ValueError, match="allow_pickle"):
         load_view_stack(path=str(tmp_path / "b.npz"))
+    np.savez(tmp_path / "c.npz", views=np.zeros((1, 1, 1, 1), np.float32), directions=np.full((1, 4), np.nan))
+    with pytest.raises(ValueError, match=r"c\.npz: field directions: expected finite numbers"):
+        load_view_stack(path=str(tmp_path / "c.npz"))
 
 
 def test_numpy_reads_the_archive(tmp_path):
