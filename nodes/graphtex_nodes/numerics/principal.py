@@ -8,12 +8,6 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 
 
-def principal_channel(image: Array) -> Array:
-    """Values (h, w), float64, mean 0, along the direction of largest variance of the colours; brighter is larger."""
-    first: Array = principal_channels(image, 1.0)[0]
-    return first
-
-
 def principal_channels(image: Array, least: float) -> Array:
     """Principal components of the colours, (n, h, w), float64, mean 0, the largest variance first; brighter is larger.
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Context, Mask, ScaleMap, node
+from graphtex_nodes.numerics.guidance import resampled
 from graphtex_nodes.numerics.window_mean import window_mean
 
 Array = NDArray[Any]
@@ -14,6 +15,8 @@ Form = Literal["bounded", "inverse", "literal"]
 
 SMALLEST, LARGEST = 1 / 8, 8.0
 WORTH_A_WARNING = 0.05  # a few clamped pixels vanish in the smoothing
+MOST = 1024  # blocks along the longer side in which features are counted
+FINEST = 8  # blocks along a window at least
 LEVELS = 1023  # the running median tells so many steps apart
 
 
@@ -67,7 +70,9 @@ def feature_scale(
     Notes
     -----
     The paper's text gives the largest scale to the fewest features, its Eq. 1 the smallest. The text is meant.
-    The median is taken on 1023 steps between the smallest and the largest value.
+    Masks of more than 1024 pixels a side are counted in blocks (with at least eight along a window), and the map is
+    interpolated between their middles: it varies over windows, and would take minutes. The median is taken on 1023
+    steps between the smallest and the largest value.
 
     Examples
     --------
@@ -82,7 +87,8 @@ def feature_scale(
         window = max(3, min(mask.shape) // 4)
     if smoothing is None:
         smoothing = max(3, window // 2)
-    density = window_mean(mask.astype(np.float64), window)
+    step = _step(mask.shape, window, smoothing)
+    density = window_mean(_shares(mask, step), max(1, round(window / step)))
     middle = (density.min() + density.max()) / 2
     if form == "bounded":
         scale = 2 - density / middle
@@ -94,14 +100,31 @@ def feature_scale(
     share = float(np.mean(clamped != scale))
     for done in range(passes):
         ctx.progress(done / passes, "smoothing")
-        clamped = alpha * window_mean(clamped, smoothing) + (1 - alpha) * window_median(clamped, smoothing)
+        side = max(1, round(smoothing / step))
+        clamped = alpha * window_mean(clamped, side) + (1 - alpha) * window_median(clamped, side)
     if share > WORTH_A_WARNING:
         ctx.warn(
             f"{share:.0%} of the scales lay outside [1/8, 8] and were clamped before smoothing: "
             "a larger window keeps more of them"
         )
     result: Array = np.clip(clamped, SMALLEST, LARGEST).astype(np.float32)
-    return result
+    if step > 1:
+        result = resampled(result, (result.shape[0] * step, result.shape[1] * step))
+    return result[: mask.shape[0], : mask.shape[1]].copy()
+
+
+def _step(shape: tuple[int, ...], window: int, smoothing: int) -> int:
+    """Pixels of a mask along a side of the blocks that it is counted in."""
+    return max(1, min(-(-max(shape) // MOST), window // FINEST, smoothing // FINEST))
+
+
+def _shares(mask: Array, step: int) -> Array:
+    """Share of features in blocks of step x step pixels (those that lie in the mask), float64."""
+    starts = [np.arange(0, side, step) for side in mask.shape]
+    counts = np.add.reduceat(np.add.reduceat(mask, starts[0], axis=0, dtype=np.float64), starts[1], axis=1)
+    rows, columns = (np.minimum(step, side - start) for side, start in zip(mask.shape, starts, strict=True))
+    shares: Array = counts / np.outer(rows, columns)
+    return shares
 
 
 def window_median(values: Array, side: int) -> Array:

@@ -4,7 +4,7 @@ from scipy.ndimage import minimum_filter
 
 from graphtex_nodes.image.exemplars.sample import sample
 from graphtex_nodes.image.exemplars.sample_mask import sample_mask
-from graphtex_nodes.numerics.principal import principal_channel
+from graphtex_nodes.numerics.principal import principal_channels
 
 
 def test_masks_by_hand():
@@ -20,7 +20,7 @@ def test_masks_by_hand():
 def test_joints_lie_where_the_paving_is_dark():
     """Lines one pixel wide, all of them near the darkest fifth of the picture."""
     joints = sample_mask(name="paving-joints")
-    dark = principal_channel(sample(name="paving"))
+    dark = principal_channels(sample(name="paving"), 1.0)[0]
     dark = minimum_filter(dark, 3) < np.quantile(dark, 0.2)
     assert 0.05 < joints.mean() < 0.12
     assert dark[joints].mean() > 0.9

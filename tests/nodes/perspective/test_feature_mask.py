@@ -1,7 +1,12 @@
+import warnings
+
 import numpy as np
 import pytest
+from scipy.ndimage import zoom
 
+from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.perspective.feature_mask import feature_mask
+from graphtex_nodes.perspective.feature_scale import feature_scale
 
 
 def grating(channels=1, period=16, width=3, size=64):
@@ -48,7 +53,7 @@ def test_contrast_outlines_what_stands_out():
 @pytest.mark.parametrize("method", ["canny", "ridges", "contrast"])
 def test_features_are_thin(method):
     """No 3 x 3 block is all features, as a filled region would be."""
-    image = np.random.default_rng(0).random((48, 48, 3), np.float32).cumsum(0).cumsum(1)
+    image = np.random.default_rng(0).random((48, 48, 1), np.float32).cumsum(0).cumsum(1)
     image = (image % 5 / 5).astype(np.float32)
     mask = feature_mask(image, method=method)
     assert mask.any()
@@ -152,3 +157,63 @@ def test_alpha_is_no_colour(colours):
     alpha = np.zeros((*image.shape[:2], 1), np.float32)
     alpha[20:] = 1
     np.testing.assert_array_equal(feature_mask(np.dstack([image, alpha])), feature_mask(image))
+
+
+@pytest.mark.parametrize("method", ["canny", "ridges"])
+def test_fainter_colours_have_features_too(method):
+    """Bars of two colours at right angles to each other in brightness: each is found wherever the other is."""
+    image = np.full((64, 64, 3), 0.4, np.float32)
+    image[12:20, :, :] += (0.3, 0.3, 0.3)  # grey, most of the variance
+    image[44:52, :, :] += (0.16, -0.16, 0.0)  # reddish of the same brightness
+    mask = feature_mask(image, method=method)
+    assert mask[11:21].any(axis=0).mean() > 0.9
+    assert mask[43:53].any(axis=0).mean() > 0.9
+    assert not mask[26:38].any()
+
+
+def enlarged(image, times):
+    """A soft picture: cubic splines between pixels that lie so far apart."""
+    return np.stack([zoom(image[..., c], times, order=3, mode="nearest") for c in range(image.shape[2])], axis=-1)
+
+
+def test_a_soft_picture_has_about_the_mask_of_the_sharp_one():
+    """Without halvings nothing curves enough in it; by itself the node finds the scale at which things do."""
+    sharp = pebbles(width=160, height=160, size=16.0, slant=50.0, rng=5).image
+    soft = enlarged(sharp, 4)
+    assert feature_mask(soft, halvings=0).mean() < 0.02  # 0.2 of the sharp one
+    mask = feature_mask(soft)
+    assert mask.shape == soft.shape[:2]
+    found, small = feature_scale(mask), feature_scale(feature_mask(sharp))
+    assert np.corrcoef(found[2::4, 2::4].ravel(), small.ravel())[0, 1] > 0.98
+
+
+def test_a_sharp_picture_is_not_halved():
+    image = pebbles(slant=50.0, rng=5).image
+    np.testing.assert_array_equal(feature_mask(image), feature_mask(image, halvings=0))
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 9), (33, 47), (300, 5)])
+@pytest.mark.parametrize("method", ["canny", "ridges", "contrast"])
+def test_halvings_of_any_size(size, method):
+    image = np.random.default_rng(2).random((*size, 3), np.float32)
+    for halvings in (0, 1, 3):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            assert feature_mask(image, method=method, halvings=halvings).shape == size
+
+
+def test_large_pictures_are_halved_whatever_they_show():
+    image = np.random.default_rng(2).random((4, 4100, 1), np.float32)
+    mask = feature_mask(image)
+    assert mask.shape == (4, 4100)
+    np.testing.assert_array_equal(mask, feature_mask(image, halvings=2))
+
+
+def test_scribbles_on_a_soft_picture():
+    """A thin dab stays seen after the halvings, and what it shows is found."""
+    soft = enlarged(gaps(), 8)
+    lines = [{"points": [[136, 200]], "radius": 2}, {"points": [[64, 64], [320, 64]], "radius": 9, "label": "other"}]
+    mask = feature_mask(soft, method="scribbles", sigma=0.3, halvings=3, strokes={"lines": lines})
+    gap = np.arange(512) % 128 < 24
+    assert mask.any()
+    assert (gap[:, None] | gap)[mask].mean() > 0.8

@@ -6,6 +6,7 @@ from scipy.ndimage import generic_filter
 from scipy.stats import spearmanr
 
 from graphtex_nodes.image.exemplars.bricks import bricks
+from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.numerics.window_mean import window_mean
@@ -101,7 +102,7 @@ def test_denser_is_smaller():
 
 
 FORMS = ("bounded", "inverse", "literal")
-KINDS = {"pebbles": pebbles, "bricks": bricks, "cloth": woven_cloth}
+KINDS = {"pebbles": pebbles, "bricks": bricks, "cloth": woven_cloth, "flowers": flowers}
 
 
 @functools.cache
@@ -129,6 +130,25 @@ def test_the_window_of_the_paper():
     mask = feature_mask(drawn("pebbles", slant=55.0, size=12.0))
     scale = feature_scale(mask, window=32, smoothing=9, passes=1)
     assert np.corrcoef(scale.ravel(), rendered_plane(256, 55.0).ravel())[0, 1] >= 0.9
+
+
+@pytest.mark.parametrize("shape", [(1600, 90), (61, 3001)])
+def test_large_masks_in_blocks(shape):
+    """As with every pixel, but for a fraction of what varies over a window; borders and odd sizes too."""
+    rows, columns = np.indices(shape)
+    rng = np.random.default_rng(6)
+    mask = rng.random(shape) < 0.1 + 0.2 * (rows / shape[0] + columns / shape[1]) / 2
+    density = window_mean(mask.astype(float), 60)
+    expected = 2 - density / ((density.min() + density.max()) / 2)
+    found = feature_scale(mask, window=60, smoothing=60, passes=0)
+    assert found.shape == shape
+    assert np.abs(found - expected).mean() < 0.02
+
+
+def test_small_windows_keep_every_pixel():
+    mask = np.zeros((1, 2100), bool)
+    mask[0, 1050] = True
+    assert feature_scale(mask, window=1, smoothing=1, passes=0).argmin() == 1050
 
 
 def test_share_of_clamped_pixels_is_reported():
