@@ -11,6 +11,8 @@ from graphtex_nodes.numerics.parallel import Work
 Array = NDArray[np.float32]
 
 ROUNDS = 20
+ROUNDING = 0.01
+"""Standard deviation of log scale that tells nothing."""
 SPREAD = 1.4826
 """Standard deviation of a normal distribution over its median absolute deviation."""
 REJECT = 4.685
@@ -47,6 +49,17 @@ def fitted_plane(values: NDArray[Any], known: NDArray[np.bool_]) -> NDArray[np.f
         weights = np.maximum(1 - (rest / limit) ** 2, 0) ** 2
     plane: NDArray[np.float64] = (level + (every - middle) @ fit).reshape(values.shape)
     return plane
+
+
+def plane_share(values: NDArray[Any], plane: NDArray[np.float64]) -> float:
+    """Share of the variance of the logarithm of values (any shape) that lies on the plane of the same places.
+
+    A spread of 1 % that no plane explains is always added: less is rounding.
+    """
+    found = np.log(np.maximum(plane, 1 / 64))
+    left = ((np.log(values) - found) ** 2).mean()
+    explained = found.var()
+    return float(explained / (explained + left + ROUNDING**2))
 
 
 def continued(values: Array, known: NDArray[np.bool_], harmonic: bool, work: Work) -> Array:

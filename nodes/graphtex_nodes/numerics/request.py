@@ -13,6 +13,8 @@ from graphtex_nodes.numerics.materials import MapKind, doubt_normals, map_slices
 from graphtex_nodes.numerics.parallel import Work
 from graphtex_nodes.numerics.problem import Array, Flags, Problem
 
+DOUBTFUL = 0.5
+"""Trust in a map of scales below which a warning tells that it counts less."""
 MISSING_WORTH_TELLING = 0.01
 """Share of the output below which a lacking scale is not worth a warning."""
 
@@ -179,7 +181,13 @@ def _scale_guide(
 ) -> Guide:
     assert scales.exemplar is not None
     have = scales.exemplar[chosen]
-    factor = np.float32(guidance.scale_factor(colours, have, scales.weight))
+    trust = guidance.trust(scales.exemplar, chosen)
+    if trust < DOUBTFUL:
+        work.warn(
+            f"exemplar_scale varies by {float(np.std(np.log(have), dtype=np.float64)):.0%} only, and not like a plane: "
+            f"it is taken for noise and followed with {trust:.2g} of the weight (a larger scale_weight makes up for it)"
+        )
+    factor = np.float32(guidance.scale_factor(colours, have, scales.weight * trust))
     guide = np.where(chosen, scales.exemplar, have.mean()).astype(np.float32) * factor
     if scales.target is None:
         return guide, None, None

@@ -14,7 +14,6 @@ View = Annotated[float, Field(gt=0, lt=180, description="camera's angle of view 
 
 LARGEST = 384  # pixels of a map's longer side that are looked at
 DOUBTFUL = 0.3
-TELLING = 0.01  # standard deviation of log scale; less is rounding
 STEEPEST = 0.95  # loss of scale from the centre to the far end of the tilt; the horizon is at 1
 
 
@@ -115,7 +114,7 @@ def estimate_angles(
 
 def _from_scale(scale: Array, usable: Array | None) -> tuple[float, float, float]:
     """Relative loss of scale for each pixel to the right and down, and the share of log scale's variance explained."""
-    from graphtex_nodes.numerics.continuation import fitted_plane
+    from graphtex_nodes.numerics.continuation import fitted_plane, plane_share
 
     step = max(1, max(scale.shape) // LARGEST)
     height, width = scale.shape
@@ -126,11 +125,7 @@ def _from_scale(scale: Array, usable: Array | None) -> tuple[float, float, float
     plane = fitted_plane(part, seen)
     down, right = (float(np.diff(plane, axis=axis).mean()) / step if plane.shape[axis] > 1 else 0.0 for axis in (0, 1))
     centre = float(plane[0, 0]) + right * (width - 1) / 2 + down * (height - 1) / 2
-    found = np.log(np.maximum(plane[seen], 1 / 64))
-    left = ((np.log(part[seen]) - found) ** 2).mean()
-    explained = found.var()
-    share = float(explained / (explained + left + TELLING**2))
-    return -right / centre, -down / centre, share
+    return -right / centre, -down / centre, plane_share(part[seen], plane[seen])
 
 
 def _from_image(image: Array, usable: Array | None, ctx: Context) -> tuple[float, float, float]:

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from graphtex_nodes.numerics import guidance
 
@@ -13,6 +14,26 @@ def test_scale_factor_is_a_ratio_of_deviations(weight):
     total = np.sqrt(colours.reshape(-1, 3).var(axis=0).sum())
     assert (ROWS * factor).std() == pytest.approx(weight * total, rel=1e-5)
     assert guidance.scale_factor(colours, np.ones((40, 30), np.float32), weight) == 0
+
+
+def test_noise_of_a_map_is_not_trusted():
+    """A tenth for smooth noise of 5 %; all for a step, for noise of 30 %, and for a plane of 5 % under noise of 1 %."""
+    smooth = gaussian_filter(np.random.default_rng(1).standard_normal((90, 300)), 12)
+    smooth = smooth / smooth.std()
+    every = np.ones(smooth.shape, bool)
+    plane = np.linspace(-1.7, 1.7, 300) * np.ones((90, 1))
+    step = np.where(np.arange(300) < 150, 0.25, -0.25) * np.ones((90, 1))
+    for log, expected in ((0.05 * smooth, 0.1), (0.3 * smooth, 1), (step, 1), (0.05 * plane + 0.01 * smooth, 1)):
+        assert guidance.trust(np.exp(log).astype(np.float32), every) == pytest.approx(expected)
+
+
+def test_trust_looks_at_what_is_chosen():
+    scale = np.ones((40, 30), np.float32)
+    scale[:10] = 4
+    chosen = np.ones(scale.shape, bool)
+    assert guidance.trust(scale, chosen) == 1
+    chosen[:10] = False
+    assert guidance.trust(scale, chosen) == 0.1
 
 
 @pytest.mark.parametrize(("target", "share"), [([0.5, 2.0], 0), ([0.4, 1.0], 0.5), ([4, 0.2], 1), ([0.48, 2.09], 0)])

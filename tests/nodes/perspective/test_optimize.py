@@ -7,7 +7,10 @@ import pytest
 from graphtex import Cancelled, Context
 from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.numerics.guidance import resampled
+from graphtex_nodes.perspective.feature_mask import feature_mask
+from graphtex_nodes.perspective.feature_scale import feature_scale
 from graphtex_nodes.perspective.optimize import optimize
+from graphtex_nodes.perspective.resize_scale import resize_scale
 from tests.truth import patch_distance, scale_slope, source_scale_correlation
 
 QUIET = Context(threads=1)
@@ -141,6 +144,18 @@ def test_scales_that_are_lacking_are_made_by_resampling():
     assert len(told) == 1
     assert re.search(r"50% of the output asks for scales that the exemplar lacks \(it has 0.5 to 2\)", told[0])
     assert (result.source[-8:, :, 3] > 0).mean() > 0.8
+
+
+def test_noise_of_a_flat_texture_hardly_guides():
+    """What FeatureScale measures on elements of one size: followed in full it would break the picture to bits."""
+    exemplar = pebbles(width=128, height=128, size=24.0, rng=3).image
+    scale = feature_scale(feature_mask(exemplar))
+    target = resize_scale(scale, width=160, height=160)
+    with pytest.warns(UserWarning, match="varies by .* only, and not like a plane"):
+        damped = optimize(exemplar, scale, target, rng=1)
+    with pytest.warns(UserWarning, match="taken for noise"):
+        full = optimize(exemplar, scale, target, scale_weight=7.5, rng=1)
+    assert damped.coherence > full.coherence + 0.1
 
 
 def test_constant_scale_warns_and_is_plain():
