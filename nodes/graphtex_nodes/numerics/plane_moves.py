@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
+
+ORDER: Final = 5
+"""Degree of the splines between pixels: cubic ones take off so much fine contrast that texture looks coarser."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,7 @@ class Move:
 class Views:
     """A picture as it can be looked up between pixels.
 
-    ``colours`` (h, w, c) are its own, ``splines`` (c, h, w) cubic coefficients, ``usable`` (h, w) what may be copied.
+    ``colours`` (h, w, c) are its own, ``splines`` (c, h, w) their coefficients, ``usable`` (h, w) what may be copied.
     """
 
     colours: Array
@@ -114,7 +117,8 @@ class Views:
             rows, columns = distance_transform_edt(~usable, return_distances=False, return_indices=True)
             colours = colours[rows, columns]
         splines = [
-            spline_filter(channel, order=3, output=np.float32, mode="mirror") for channel in np.moveaxis(colours, -1, 0)
+            spline_filter(channel, order=ORDER, output=np.float32, mode="mirror")
+            for channel in np.moveaxis(colours, -1, 0)
         ]
         return Views(colours, np.stack(splines), usable)
 
@@ -136,7 +140,9 @@ class Views:
             for corner_column in (np.floor(source_columns), np.ceil(source_columns)):
                 usable &= self.usable[corner_row.astype(np.intp), corner_column.astype(np.intp)]
         places = np.stack([source_rows, source_columns])
-        found = [map_coordinates(channel, places, order=3, mode="mirror", prefilter=False) for channel in self.splines]
+        found = [
+            map_coordinates(channel, places, order=ORDER, mode="mirror", prefilter=False) for channel in self.splines
+        ]
         return np.stack(found, axis=-1).astype(np.float32), usable, enlarged
 
     def looked_up(self, moves: Sequence[Move], labels: Array, rows: Array, columns: Array) -> tuple[Array, Array]:

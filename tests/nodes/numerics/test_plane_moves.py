@@ -73,3 +73,13 @@ def test_shift_of_a_periodic_picture_is_found():
     for fit in found:
         assert fit.move.down % 12 == fit.move.right % 15 == 0
         assert fit.cost < 1e-6
+
+
+def test_fine_contrast_survives_between_pixels():
+    """Stripes three pixels apart, seen half a pixel beside: cubic splines keep 0.87 of their contrast."""
+    stripes = np.cos(2 * np.pi * np.arange(60) / 3).astype(np.float32)
+    views = Views.of(np.tile(stripes, (60, 1))[..., None], np.ones((60, 60), bool))
+    rows, columns = (places.ravel() for places in np.mgrid[20:40, 20:41])
+    colours, usable, _ = views.moved(Move(Slope(0, 0), 0, 0.5), rows, columns)
+    assert usable.all()
+    assert 0.95 < colours.std() / stripes.std() <= 1
