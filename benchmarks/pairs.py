@@ -1,4 +1,4 @@
-"""Photographs spliced in pairs, from the pictures alone and with one element given, and judged without a reference."""
+"""Photographs spliced in pairs, from the pictures alone and with an element given, and judged without a reference."""
 
 import sys
 from collections.abc import Iterator
@@ -27,6 +27,7 @@ from graphtex_nodes.image.save import save_image
 from graphtex_nodes.numerics.measures import patch_distance
 from graphtex_nodes.splicing._templates import Example
 from graphtex_nodes.splicing.prepare_texture import PreparedTexture
+from graphtex_nodes.splicing.tags import Tag
 
 Array = NDArray[Any]
 
@@ -37,16 +38,17 @@ LEAST = 8  # of twelve pairs that should be sound
 
 @dataclass(frozen=True)
 class Photograph:
-    """A file, the part of it that is used (left, top, width, height; None = all), and one element of it.
+    """A file, the part of it that is used (left, top, width, height; None = all), and what a user tells of it.
 
-    The element's centre and size are in pixels of that part after it is shrunk; others are up to `growth` times larger
-    or smaller.
+    The element is in pixels of that part after it is shrunk; others are up to ``growth`` times larger
+    or smaller. Without one the right elements are found, as the user has seen. ``tag`` is set where another is wanted.
     """
 
     file: str
-    part: tuple[int, int, int, int] | None
-    element: Example
+    part: tuple[int, int, int, int] | None = None
+    element: Example | None = None
     growth: float = 1.0
+    tag: Tag | None = None
 
     def picture(self, folder: Path) -> Array:
         """Return the part, shrunk."""
@@ -61,18 +63,19 @@ def element(x: float, y: float, width: float, height: float) -> Example:
 
 
 PHOTOGRAPHS = {
-    "coins": Photograph("elements-coins.png", None, element(77.5, 63.6, 20, 20), 1.5),
-    "dots": Photograph("elements-dots.png", None, element(121, 65, 19, 19)),
-    "flagstones": Photograph("elements-flagstones.jpg", None, element(97, 66, 56, 40), 2.0),
-    "hexpaving": Photograph("regular-hexpaving.jpg", None, element(68, 104, 27, 29)),
-    "brickpavement": Photograph("regular-brickpavement.jpg", (0, 0, 384, 384), element(123, 96.5, 35, 18)),
+    "coins": Photograph("elements-coins.png"),
+    "dots": Photograph("elements-dots.png"),
+    "flagstones": Photograph("elements-flagstones.jpg", None, element(97, 66, 56, 40), 2.0, "B=c"),
+    "hexpaving": Photograph("regular-hexpaving.jpg"),
+    "brickpavement": Photograph("regular-brickpavement.jpg", (0, 0, 384, 384)),
     "herringbone": Photograph("regular-herringbone.jpg", (0, 0, 256, 256), element(64, 96, 32, 24)),
-    "checkweave": Photograph("regular-checkweave.jpg", (0, 0, 384, 384), element(121, 90, 17, 24)),
-    "gravel": Photograph("stochastic-gravel.png", (0, 0, 256, 256), element(131, 95, 22, 18), 2.0),
-    "stonewall": Photograph("material-stonewall-albedo.jpg", (0, 0, 512, 512), element(63, 101, 36, 32), 2.0),
+    # a cloth hangs together: the pale squares may be deformed
+    "checkweave": Photograph("regular-checkweave.jpg", (0, 0, 384, 384), element(121, 90, 17, 24), tag="B=c"),
+    "gravel": Photograph("stochastic-gravel.png", (0, 0, 256, 256), element(131, 95, 22, 18), 2.0, "B=c"),
+    "stonewall": Photograph("material-stonewall-albedo.jpg", (0, 0, 512, 512)),
     "cheese": Photograph("material-cheese-albedo.jpg", None, element(113, 81, 10, 10), 2.0),
-    "bricks": Photograph("material-bricks-albedo.jpg", None, element(167, 65, 47, 19), 1.6),
-    "wool": Photograph("material-wool-albedo.jpg", (0, 0, 128, 128), element(73, 54, 20, 20)),
+    "bricks": Photograph("material-bricks-albedo.jpg"),
+    "wool": Photograph("material-wool-albedo.jpg", (0, 0, 128, 128), element(73, 54, 20, 20), tag="B=c"),
 }
 # chosen before any was spliced: elements apart and packed, on lattices and on irregular arrangements
 PAIRS = (
@@ -107,7 +110,7 @@ class Outcome(NamedTuple):
 
 
 def figures(pictures: Path | None, textures: Path | None = None) -> Iterator[Figure]:
-    """Judge the pairs of a folder's pictures, found without help and with one element of each given."""
+    """Judge the pairs of a folder's pictures, found without help and with what a user would tell."""
     if textures is None:
         print("pairs: expected --textures, a folder of photographs: nothing is measured", file=sys.stderr)
         return
@@ -116,7 +119,7 @@ def figures(pictures: Path | None, textures: Path | None = None) -> Iterator[Fig
         print(f"pairs: {', '.join(missing)} not in {textures}: nothing is measured", file=sys.stderr)
         return
     images = {name: photograph.picture(textures) for name, photograph in PHOTOGRAPHS.items()}
-    for mode, given in (("by itself", False), ("one element given", True)):
+    for mode, given in (("by itself", False), ("helped", True)):
         entries = {name: entry(name, image, given) for name, image in images.items()}
         outcomes = {
             pair: spliced(own[0], goal[0], own[1] or goal[1])
@@ -134,19 +137,19 @@ def figures(pictures: Path | None, textures: Path | None = None) -> Iterator[Fig
 
 
 def entry(name: str, image: Array, given: bool) -> tuple[PreparedTexture, bool] | None:
-    """A picture made ready to splice, and whether the tool warns that its elements may be wrong; None if it refuses."""
+    """A picture made ready to splice, and whether nobody has looked where the tool warns; None if it refuses."""
     told: list[str] = []
     ctx = Context(on_warning=told.append)
     photograph = PHOTOGRAPHS[name]
-    examples, growth = ([photograph.element], photograph.growth) if given else ([], 1.0)
+    examples, growth = [photograph.element] if given and photograph.element else [], photograph.growth if given else 1.0
     try:
         found = find_textons(image, examples=examples, growth=growth, ctx=ctx)
         cut = separate_foreground(image, found.elements, width=found.width, height=found.height, ctx=ctx)
-        texture = texture_entry(image, cut.mask, found.points, ctx=ctx)
+        texture = texture_entry(image, cut.mask, found.points, tag=photograph.tag if given else None, ctx=ctx)
     except ValueError as refusal:
         print(f"{name}: {refusal}", file=sys.stderr)
         return None
-    return prepare_texture(texture, width=image.shape[1], height=image.shape[0]), bool(told)
+    return prepare_texture(texture, width=image.shape[1], height=image.shape[0]), bool(told) and not given
 
 
 def spliced(one: PreparedTexture, other: PreparedTexture, doubtful: bool) -> Outcome:

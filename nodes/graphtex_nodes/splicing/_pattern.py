@@ -74,26 +74,27 @@ def tiled(points: Array, size: tuple[int, int], unit: float, low: Array, high: A
     """The pattern of a picture (height, width) carried on over the box from ``low`` to ``high``, (n, 2).
 
     Within its picture it stays as it is; beyond, it repeats by two vectors at which it agrees with itself, or else by
-    the sides of its picture.
+    the sides of its picture, less what its margins are wider than they would be between neighbours.
     """
     edge = np.array(size[::-1]) - 0.5
     kept = points[((points >= low) & (points <= high)).all(axis=1)]
     if (low >= -0.5).all() and (high <= edge).all():
         return kept
-    sides = _periods(points, size, unit)
-    corner = (np.array(size[::-1]) - 1 - sides.sum(axis=0)) / 2
+    first, last = _filled(points, size, unit)
+    sides = _periods(points, size, unit, last - first)
+    corner = (first + last - sides.sum(axis=0)) / 2
     share = (points - corner) @ np.linalg.inv(sides)
     cell = points[((share >= 0) & (share < 1)).all(axis=1)]
     if len(cell) == 0:
-        cell, sides = points, np.diag(np.array(size[::-1], np.float64))
+        cell, sides = points, np.diag(last - first)
     corners = np.array([[low[0], low[1]], [high[0], low[1]], [low[0], high[1]], [high[0], high[1]]])
     reach = (corners - corner) @ np.linalg.inv(sides)
-    first, last = np.floor(reach.min(axis=0)).astype(int) - 1, np.ceil(reach.max(axis=0)).astype(int) + 1
-    i, j = np.mgrid[first[0] : last[0] + 1, first[1] : last[1] + 1].reshape(2, -1)
+    (left, top), (right, bottom) = np.floor(reach.min(axis=0)).astype(int), np.ceil(reach.max(axis=0)).astype(int)
+    i, j = np.mgrid[left - 1 : right + 2, top - 1 : bottom + 2].reshape(2, -1)
     found = (np.stack([i, j], axis=1) @ sides)[:, None] + cell
     found = found.reshape(-1, 2)
     found = found[((found >= low) & (found <= high)).all(axis=1)]
-    found = found[((found < -0.5) | (found > edge)).any(axis=1)]
+    found = found[((found < first) | (found > last)).any(axis=1)]
     return apart(np.concatenate([kept, found]), 0.4 * unit)
 
 
@@ -109,10 +110,22 @@ def apart(points: Array, distance: float) -> Array:
     return result
 
 
-def _periods(points: Array, size: tuple[int, int], unit: float) -> Array:
-    """Two vectors (2, 2), about the sides of the picture, by which the pattern repeats."""
-    height, width = size
-    result = np.diag(np.array([width, height], np.float64))
+def _filled(points: Array, size: tuple[int, int], unit: float) -> tuple[Array, Array]:
+    """First and last corner (x, y) of the part of a picture that a pattern fills: half a distance around its points.
+
+    No more than one ``unit`` is taken off a side: a wider margin belongs to the pattern.
+    """
+    from scipy.spatial import cKDTree
+
+    around = max(1.0, float(np.median(np.asarray(cKDTree(points).query(points, k=[2])[0])))) / 2
+    edge = np.array(size[::-1]) - 0.5
+    first = np.clip(points.min(axis=0) - around, -0.5, unit - 0.5)
+    return first, np.clip(points.max(axis=0) + around, edge - unit, edge)
+
+
+def _periods(points: Array, size: tuple[int, int], unit: float, sides: Array) -> Array:
+    """Two vectors (2, 2) by which the pattern repeats, half the given sides long at least; by default these."""
+    result = np.diag(sides)
     if len(points) < 2 * LEAST_SHARED:
         return result
     shifts = (points[None] - points[:, None]).reshape(-1, 2)

@@ -86,6 +86,15 @@ def test_a_lattice_goes_on_as_a_lattice():
     np.testing.assert_allclose(nearest, 20, atol=0.3)
 
 
+def test_margins_wider_than_between_neighbours_do_not_part_the_copies():
+    """Six points 10 apart in the middle of a picture of 48 x 38: the next row and column are 10 away, not 28."""
+    points = np.array([(x, y) for y in (14.0, 24.0) for x in (14.0, 24.0, 34.0)])
+    far = tiled(points, (38, 48), 10, np.full(2, -20.0), np.array([68.0, 58.0]))
+    assert cKDTree(far).query(far, k=[2])[0].max() <= 10
+    np.testing.assert_array_equal(np.unique(far[:, 0]), [-16, -6, 4, 14, 24, 34, 44, 54, 64])
+    assert len(tiled(points, (38, 48), 10, np.zeros(2), np.array([47.0, 37.0]))) == 6  # the picture itself stays
+
+
 def test_kept_is_not_turned():
     elements = extend_texture(discs(grid(16, (96, 96)), (96, 96), 5))
     other = discs(lattice("square", 20, 20, 160.0), (160, 160), 2)
