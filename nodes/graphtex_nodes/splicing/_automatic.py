@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from graphtex import Elements
 from graphtex_nodes.splicing._detection import Detection, Search
-from graphtex_nodes.splicing._partitions import LARGEST_SHARE, LEAST_COUNT, Parts, partitions
+from graphtex_nodes.splicing._nearness import common_offset
+from graphtex_nodes.splicing._partitions import LARGEST_SHARE, LEAST_COUNT, Parts, even_and_small, partitions
 from graphtex_nodes.splicing._peaks import score_floor
 from graphtex_nodes.splicing._poses import Poses
 from graphtex_nodes.splicing._proposals import Proposal, enlarged, from_parts, proposals
@@ -52,6 +54,7 @@ def choose(image: Array, search: Search) -> Choice | None:
     """
     divided = partitions(image)
     alike = _alike(image, divided, search)
+    alike = None if alike is None else _centred(alike, image)
     if not divided:
         return alike
     parts = _of_parts(divided[0], search)
@@ -63,6 +66,21 @@ def choose(image: Array, search: Search) -> Choice | None:
     return alike if alike.confidence >= parts.confidence else parts
 
 
+def _centred(choice: Choice, image: Array) -> Choice:
+    """The same with its elements' centres where colours change most at their outlines; pairs stay as they are."""
+    if len(choice.examples) > 1:
+        return choice
+    small, step = even_and_small(image)
+    example, poses = choice.examples[0], choice.found.poses
+    kept = _likely(poses, choice.floor)
+    elements = Elements(kept.points / step, kept.angles, kept.scales)
+    offset = common_offset(small, elements, example.width / step, example.height / step) * step
+    last = np.array(image.shape[1::-1]) - 1
+    x, y = np.clip(np.array([example.x, example.y]) + offset, 0, last)
+    moved = replace(choice.found, poses=replace(poses, points=poses.points + offset))
+    return replace(choice, examples=[example.model_copy(update={"x": float(x), "y": float(y)})], found=moved)
+
+
 def _of_parts(parts: Parts, search: Search) -> Choice:
     """All parts of a partition that may be elements; the scale of each is the root of its area over the typical one."""
     fits = np.flatnonzero(parts.fits)
@@ -72,7 +90,7 @@ def _of_parts(parts: Parts, search: Search) -> Choice:
     typical = parts.areas[middle]
     scales = np.sqrt(parts.areas / typical)
     sides = (parts.boxes[:, [3, 1]] - parts.boxes[:, [2, 0]]) / scales[:, None]
-    width, height = np.median(sides[fits], axis=0)
+    width, height = np.median(sides[fits], axis=0) + parts.rim
     x, y = parts.points[middle]
     example = enlarged(Example.model_construct(x=x, y=y, width=width, height=height), parts.step, parts.size)
     kept = parts.fits & (parts.areas >= SPECK * typical)

@@ -22,6 +22,7 @@ JOINTS = (3, 6)  # reduced pixels: half widths of what parts may be joined by
 DARK = 0.02  # of full light: below it a logarithm would follow noise
 PINHOLE = 12  # reduced pixels
 NECK = 0.75  # two parts have grown together where they are narrower than this share of the narrower one
+RIM = 1.0  # reduced pixels: joints are taken half a pixel too wide on each side
 CHANCE, CLEAR = 0.5, 0.75  # share of the variance between two sides: noise has 0.64, two colours have 1
 MORE = 0.25  # of the parts on the ground of as many others are another kind
 HARDLY_WORSE = 0.7  # times the merit
@@ -40,6 +41,8 @@ class Parts:
         Shape (h, w).
     step, size
         Pixels of the picture between pixels of the reduced one, and its (height, width).
+    rim
+        Reduced pixels by which elements are wider than their parts.
     areas, points, boxes
         Pixels, centres of gravity (n, 2), and first and last row and column (n, 4), the last exclusive.
     roundness
@@ -58,6 +61,7 @@ class Parts:
     labels: Array
     step: float
     size: tuple[int, ...]
+    rim: float
     areas: Array
     points: Array
     boxes: Array
@@ -88,7 +92,7 @@ class Parts:
 def partitions(image: Array) -> list[Parts]:
     """A picture's partitions, the best first."""
     small, step = even_and_small(image)
-    found = [measured(split(mask), contrast, step, image.shape[:2]) for mask, contrast in solids(small)]
+    found = [measured(split(mask), contrast, step, image.shape[:2], rim) for mask, contrast, rim in solids(small)]
     ordered = sorted((parts for parts in found if parts is not None), key=lambda parts: -parts.weight)
     # a colour may tell one kind of element only
     whole = next((parts for parts in ordered[1:] if parts.hold(ordered[0])), None)
@@ -103,10 +107,10 @@ def even_and_small(image: Array) -> tuple[Array, float]:
     return reduced(evenly_lit(image), step), step
 
 
-def solids(image: Array) -> Iterator[tuple[Array, float]]:
+def solids(image: Array) -> Iterator[tuple[Array, float, float]]:
     """Masks (h, w) that may be elements: what lies between dark joints, between bright ones, and halves of colours.
 
-    With each comes how much the two sides stand apart, 0 to 1.
+    With each comes how much the two sides stand apart, 0 to 1, and by how many pixels its parts are too small.
     """
     from scipy.ndimage import binary_fill_holes, binary_opening, gaussian_filter, grey_closing
 
@@ -114,11 +118,11 @@ def solids(image: Array) -> Iterator[tuple[Array, float]]:
     for signed, radius in itertools.product((light, -light), JOINTS):
         depth = grey_closing(signed, (2 * radius + 1,) * 2) - signed
         for joint, contrast in _halves(depth):
-            yield _without_pinholes(binary_opening(~joint)), contrast
+            yield _without_pinholes(binary_opening(~joint)), contrast, RIM
     for channel in colour_channels(image):
         for above, contrast in _halves(gaussian_filter(channel, 0.7)):
             for half in (above, ~above):
-                yield binary_fill_holes(binary_opening(half)), contrast
+                yield binary_fill_holes(binary_opening(half)), contrast, 0.0
 
 
 def _halves(values: Array) -> Iterator[tuple[Array, float]]:
@@ -218,7 +222,7 @@ def _root(root: Array, index: int) -> int:
     return index
 
 
-def measured(labels: Array, contrast: float, step: float, size: tuple[int, ...]) -> Parts | None:
+def measured(labels: Array, contrast: float, step: float, size: tuple[int, ...], rim: float = 0.0) -> Parts | None:
     """What the parts of a reduced picture measure, which stand apart so much; None for too few of them."""
     from scipy.ndimage import find_objects
 
@@ -251,7 +255,7 @@ def measured(labels: Array, contrast: float, step: float, size: tuple[int, ...])
         contrast * np.clip(2 * (share * roundness[fits]).sum() - 1, 0, 1)
         * (areas[~large].sum() / areas.sum()) * (1 - _cut(labels)) / (1 + spread)
     )  # fmt: skip
-    return Parts(labels, step, size, areas, np.stack([x, y], axis=1), boxes, roundness, fits, spread, float(merit))
+    return Parts(labels, step, size, rim, areas, np.stack([x, y], axis=1), boxes, roundness, fits, spread, float(merit))
 
 
 def _cut(labels: Array) -> float:

@@ -67,7 +67,8 @@ def from_parts(parts: Parts, some: Array) -> Proposal | None:
     typical = kind[np.argmin(np.median(unlike[np.ix_(kind, kind)], axis=1))]
     example = Example.model_construct(
         x=(left[typical] + right[typical] - 1) / 2, y=(top[typical] + bottom[typical] - 1) / 2,
-        width=float(right[typical] - left[typical]), height=float(bottom[typical] - top[typical]),
+        width=float(right[typical] - left[typical]) + parts.rim,
+        height=float(bottom[typical] - top[typical]) + parts.rim,
     )  # fmt: skip
     share = float(areas[kind].sum() / areas.sum())
     return Proposal(enlarged(example, parts.step, parts.size), parts.merit * share)

@@ -63,7 +63,8 @@ def find_textons(
         free its parts are. Of each the typical part, and blobs, are tried as examples; the one that explains the
         picture best is taken (mean correlation x root of the share covered once x regularity), and a second kind if
         that explains more. Where it misses parts of the best partition, or these differ in size, and the parts
-        look more like elements than it explains, all parts are elements, however unlike: stones of a wall, say.
+        look more like elements than it explains, all parts are elements, however unlike: stones of a wall, say. Centres
+        of a single kind are moved together to where the outlines tell the colours apart best.
     turn, growth
         Ranges of the search. When any is used, templates every 15 degrees and factor 1.2 are tried, and the matches
         are refined. Angles and scales are relative to the example. Matching then goes by colours' shares of the light

@@ -17,7 +17,6 @@ FARTHEST = 0.35  # share of what lies outside of all elements that surely is bac
 LEAST_BACKGROUND = 0.02  # share of the picture that background colours are learned from
 CAP = 8.0  # of -log p: no pixel is surer than that
 HARD = 1e6
-FAR = 1e3  # half sizes: where no element is near
 SPECK = 0.02  # of an element's area: smaller parts and holes are mistakes
 RARE = 0.15  # share of a background colour among elements, over its share outside
 ROUNDS = 3  # of learning colours from the last cut
@@ -166,12 +165,13 @@ def _known(shape: tuple[int, ...], foreground: Array | None, background: Array |
 def _seeds(known: Array, elements: Elements | None, width: float, height: float, pixels: Array) -> Array:
     """Where colours are learned from first: 1 foreground, -1 background, 0 not at all."""
     from graphtex_nodes.splicing._colours import typical_of
+    from graphtex_nodes.splicing._nearness import distances
 
     seeds = known.copy()
     if elements is not None and len(elements.points):
         if width <= 0 or height <= 0:
             raise ValueError(f"width: expected the elements' size above 0, got {width:g} x {height:g}")
-        nearness, outside = _distances(known.shape, elements, width, height)
+        nearness, outside = distances(known.shape, elements, width, height)
         if not (known < 0).any():
             inner = _inner(known.shape, elements, width, height)
             rim = min(RIM, float(np.quantile(outside[inner], 1 - LEAST_BACKGROUND)))
@@ -198,25 +198,6 @@ def _inner(shape: tuple[int, ...], elements: Elements, width: float, height: flo
     inner = np.zeros(shape, bool)
     inner[margin : shape[0] - margin, margin : shape[1] - margin] = True
     return inner if inner.any() else ~inner
-
-
-def _distances(shape: tuple[int, ...], elements: Elements, width: float, height: float) -> tuple[Array, Array]:
-    """How far each pixel is from the nearest element's middle, in its half sizes: round, and square."""
-    round_distance, square_distance = np.full(shape, FAR), np.full(shape, FAR)
-    for (x, y), angle, scale in zip(elements.points, elements.angles, elements.scales, strict=True):
-        reach = 1.5 * max(width, height) * scale
-        top, bottom = (int(np.clip(place, 0, shape[0])) for place in (y - reach, y + reach + 1))
-        left, right = (int(np.clip(place, 0, shape[1])) for place in (x - reach, x + reach + 1))
-        dx, dy = np.arange(left, right) - x, np.arange(top, bottom)[:, None] - y
-        cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-        along, across = (dx * cos + dy * sin) / (width * scale / 2), (dy * cos - dx * sin) / (height * scale / 2)
-        for distance, own in (
-            (round_distance, np.hypot(along, across)),
-            (square_distance, np.maximum(np.abs(along), np.abs(across))),
-        ):
-            window = distance[top:bottom, left:right]
-            np.minimum(window, own, out=window)
-    return round_distance, square_distance
 
 
 def _cleaned(mask: Array, least: float, known: Array) -> Array:

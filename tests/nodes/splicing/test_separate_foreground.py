@@ -8,6 +8,7 @@ from graphtex import Elements
 from graphtex_nodes import find_textons, separate_foreground, textons
 from graphtex_nodes.numerics.illumination import evenly_lit
 from graphtex_nodes.splicing._colours import least_cut, mixture_cost, smoothness_costs, told_by_hue
+from graphtex_nodes.splicing._nearness import common_offset
 from graphtex_nodes.splicing.texton_labels import texton_labels
 
 small = partial(textons, width=144, height=128, size=24.0)
@@ -48,6 +49,27 @@ def test_gaps_between_touching_elements(seed, noise):
     image = made.image + np.random.default_rng(1).normal(0, noise, made.image.shape).astype(np.float32)
     found = separate_foreground(np.clip(image, 0, 1), made.elements, width=24.0, height=24.0)
     assert overlap(found.mask, made.mask) >= 0.9
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_touching_elements_found_without_an_example(seed):
+    """Light falls on one side of them: what is taken for an element is too small and off its centre at first."""
+    made = small(arrangement="hexagonal", spacing=0.97, jitter=0.03, rng=seed)
+    found = find_textons(made.image)
+    assert found.width == pytest.approx(24, rel=0.15)
+    assert overlap(cut(made.image).mask, made.mask) >= 0.9
+
+
+def test_common_offset_by_hand():
+    """Bright discs on a dark ground, and ellipses of their size two pixels to the right and one up."""
+    x, y = (places.ravel() for places in np.meshgrid(np.arange(12.0, 90, 24), np.arange(12.0, 90, 24)))
+    column, row = np.meshgrid(np.arange(96), np.arange(96))
+    image = np.full((96, 96, 3), 0.2, np.float32)
+    for across, down in zip(x, y, strict=True):
+        image[np.hypot(column - across, row - down) < 8] = (0.8, 0.5, 0.3)
+    elements = Elements(np.stack([x + 2, y - 1], axis=1), np.zeros(len(x)), np.ones(len(x)))
+    np.testing.assert_allclose(common_offset(image, elements, 16.0, 16.0), [-2, 1], atol=0.1)
+    assert not common_offset(image[:12], elements, 16.0, 16.0).any()
 
 
 def test_one_element_and_scribbles():
