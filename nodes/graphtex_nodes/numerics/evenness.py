@@ -11,7 +11,7 @@ Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
-CROWDED = 0.15
+CROWDED = 0.1
 """What a window pays for each copy around, in variances of the exemplar's windows times the evenness."""
 MOST_CROWDED = 4096
 """Exemplar windows up to which a level is no fine one: those keep what is where."""
@@ -20,7 +20,7 @@ SMOOTH = 1 / 3
 
 
 def standing(
-    windows: Array, features: Array, share: Array, field: Field | None, *, evenness: float, step: int,
+    windows: Array, features: Array, share: Array, relief: Array, field: Field | None, *, evenness: float, step: int,
     allowed: Flags | None, work: Work,
 ) -> Array:  # fmt: skip
     """Cost of each exemplar window (a, b, h, w) beside its distance, for windows in each of a x b tiles of the output.
@@ -37,6 +37,8 @@ def standing(
         Coordinates of the windows that look for a source (rows, columns, k), and of the exemplar's (h, w, k).
     share
         How often each exemplar window should be used (h, w), relative to the mean.
+    relief
+        Share (h, w) of a charge for crowding that a window pays: see :func:`local_relief`.
     field
         The sources found last (rows, columns, 2); None = none were.
     evenness
@@ -61,7 +63,7 @@ def standing(
         return result[None, None]
     variance = features.var(axis=(0, 1), dtype=np.float64).sum()
     copies = crowding(field, (height, width), step) * np.float32(CROWDED * evenness * variance)
-    return result + copies.take(np.arange(height) // step, 2).take(np.arange(width) // step, 3)
+    return result + copies.take(np.arange(height) // step, 2).take(np.arange(width) // step, 3) * relief
 
 
 def charge(
@@ -72,10 +74,8 @@ def charge(
 
     Parameters
     ----------
-    share, field, allowed
+    share, relief, field, allowed
         See :func:`standing`.
-    relief
-        Share (h, w) of the charge that a window pays: see :func:`local_relief`.
     mean
         Mean squared distance of the sources found last, 0 if none were.
     evenness

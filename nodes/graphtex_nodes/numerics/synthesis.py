@@ -260,7 +260,7 @@ def _standing(level: _Level, windows: Array, field: Field | None, share: float, 
     if level.wanted is not None:
         return np.zeros((1, 1, *level.share.shape), np.float32)
     return evenness.standing(
-        windows, level.features, level.share, field,
+        windows, level.features, level.share, level.relief, field,
         evenness=share, step=level.frame.grid.step, allowed=level.allowed, work=work,
     )  # fmt: skip
 
