@@ -33,7 +33,8 @@ SURE = 0.3  # confidence of EstimateAngles below which it warns, and a user woul
 class Marks:
     """A file, the part of it that shows one texture, and sizes that were measured at rows of the file.
 
-    `rows_cross` tells whether elements lie side by side along rows, so that the spectrum of rows tells their size.
+    `rows_cross` tells whether elements lie side by side along rows, so that the spectrum of rows tells their size;
+    `receding` that sizes were measured in the direction in which the plane recedes, where they go as its scale squared.
     """
 
     file: str
@@ -43,15 +44,21 @@ class Marks:
     bottom: int
     sizes: dict[int, float]
     rows_cross: bool = True
+    receding: bool = False
 
     def picture(self, folder: Path) -> Array:
         """Return the part of the file that shows the texture."""
         whole = load_image(path=folder / self.file)
         return np.ascontiguousarray(whole[self.top : self.bottom, self.left : self.right, :3])
 
+    def across(self) -> Array:
+        """Return sizes, or what goes with the scale as sizes across the receding direction do."""
+        sizes = np.array(list(self.sizes.values()), np.float64)
+        return np.sqrt(sizes) if self.receding else sizes
+
     def scale(self) -> Array:
         """Scale map by the marks: a straight line through them, as on a plane; its ends multiply to 1."""
-        slope, level = np.polyfit(list(self.sizes), list(self.sizes.values()), 1)
+        slope, level = np.polyfit(list(self.sizes), self.across(), 1)
         line = slope * np.arange(self.top, self.bottom) + level
         line = line / np.sqrt(line[0] * line[-1])
         return np.repeat(line[:, None], self.right - self.left, axis=1).astype(np.float32)
@@ -60,6 +67,19 @@ class Marks:
 MARKED = {
     # widths of bricks, from 12 to 15 of them at each row
     "brick floor": Marks("perspective-brickfloor.png", 0, 0, 512, 512, {5: 29.7, 256: 35.5, 500: 41.7}),
+    # widths of pavers, the mean of 6 to 14 of them between joints at each row (of 3 to 5 light ones at the first three)
+    "paving": Marks(
+        "perspective-brickplane-synthetic.png", 96, 120, 416, 512,
+        {30: 18.2, 62: 21.6, 98: 26.0, 139: 30.6, 151: 32.0, 165: 33.6, 180: 35.4, 196: 37.0, 215: 39.2, 235: 41.4,
+         258: 44.0, 283: 46.5, 313: 49.3, 345: 52.8, 383: 57.4, 430: 62.6, 480: 67.3},
+    ),
+    # thickness of planks from joint to joint, down the column 100
+    "deck": Marks(
+        "perspective-deckwater.jpg", 0, 316, 400, 560,
+        {303: 12.9, 317: 14.3, 331: 14.6, 347: 17.1, 364: 16.1, 381: 19.3, 401: 20.7, 424: 24.3, 450: 27.9, 475: 22.5,
+         500: 26.4, 531: 37.0},
+        rows_cross=False, receding=True,
+    ),
     # the pier's width between its rails
     "pier": Marks("perspective-pier.jpg", 415, 430, 605, 683, {450: 267, 563: 533, 677: 753}, rows_cross=False),
     # widths of flowers, about ten at each row; shadows of trees rule the spectrum of rows

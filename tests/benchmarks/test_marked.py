@@ -14,10 +14,15 @@ def test_scale_goes_through_the_marks():
     assert scale[0, 0] * scale[-1, 0] == pytest.approx(1, rel=1e-6)
 
 
+def test_thickness_goes_as_the_square_of_the_scale():
+    scale = Marks("none.png", 0, 0, 2, 3, {0: 100.0, 2: 400.0}, receding=True).scale()
+    np.testing.assert_allclose(scale[:, 0] / scale[0, 0], [1, 1.5, 2], rtol=1e-6)
+
+
 @pytest.mark.parametrize("name", MARKED)
 def test_marks_lie_on_a_line(name):
     """The scale of a plane is linear in its picture: no mark is off by more than a fifth."""
-    rows, sizes = (np.array(part, float) for part in zip(*MARKED[name].sizes.items(), strict=True))
+    rows, sizes = np.array(list(MARKED[name].sizes), float), MARKED[name].across()
     line = np.polyval(np.polyfit(rows, sizes, 1), rows)
     assert np.abs(sizes / line - 1).max() < 1 / 5
 
