@@ -4,12 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.ndimage import label
 
 import graphtex as gt
 from graphtex.document import Output
 from graphtex.events import Event, Started
 from graphtex.outputs import write_outputs
-from graphtex_nodes import prepare_texture, sample_texture, shrink_image
+from graphtex_nodes import prepare_texture, sample_texture, shrink_image, textons
 from graphtex_nodes.image.save import save_image
 
 FOLDER = Path(__file__).parents[2] / "graphs" / "splicing"
@@ -66,6 +67,21 @@ def test_an_element_at_each_place():
     distance = np.min([np.hypot(x - px, y - py) for px, py in result["places"].points], axis=0)
     assert result["mask"][distance < 0.5 * radius].mean() > 0.99
     assert result["mask"][distance > 1.3 * radius].mean() < 0.01
+
+
+def test_from_two_pictures():
+    """Discs of a square lattice are found, and most lie whole in the rows of a hexagonal one."""
+    one = textons(width=96, height=96, size=18.0, arrangement="square", rng=1)
+    other = textons(width=96, height=96, size=18.0, arrangement="hexagonal", rng=2)
+    result = gt.run(
+        gt.load(FOLDER / "splice-pictures.yaml"), {"elements": one.image, "arrangement": other.image}, cache=False
+    )
+    assert result["image"].shape == (96, 96, 3)
+    parts, count = label(result["mask"])
+    areas = np.bincount(parts.ravel())[1:]
+    whole = np.bincount(one.labels.ravel())[1:].max()
+    assert count >= 8
+    assert np.mean(np.abs(areas - whole) < 0.15 * whole) > 0.4  # the border cuts others
 
 
 @pytest.mark.parametrize(("executor", "workers"), [("threads", 1), ("threads", 2)])
