@@ -15,8 +15,9 @@ Form = Literal["bounded", "inverse", "literal"]
 
 SMALLEST, LARGEST = 1 / 8, 8.0
 WORTH_A_WARNING = 0.05  # a few clamped pixels vanish in the smoothing
-MOST = 1024  # blocks along the longer side in which features are counted
-FINEST = 8  # blocks along a window at least
+MOST = 512  # blocks along the longer side in which features are counted
+FINEST = 12  # blocks along a window at least
+THICK = 5  # pixels; lines of one and of two pixels are far below it, filled elements above
 LEVELS = 1023  # the running median tells so many steps apart
 
 
@@ -49,7 +50,8 @@ def feature_scale(
     Parameters
     ----------
     mask
-        (h, w), True on thin features as `FeatureMask` finds them: their density must fall as texels grow.
+        (h, w), True on thin features as `FeatureMask` finds them: their density must fall as texels grow. Filled
+        elements do not do that, and a warning tells where features look filled.
     window
         The paper takes 32. It should hold several texels, even large ones. Without a value, a quarter of the picture's
         shorter side. An even window reaches one pixel further up and left than down and right.
@@ -70,7 +72,7 @@ def feature_scale(
     Notes
     -----
     The paper's text gives the largest scale to the fewest features, its Eq. 1 the smallest. The text is meant.
-    Masks of more than 1024 pixels a side are counted in blocks (with at least eight along a window), and the map is
+    Masks of more than 512 pixels a side are counted in blocks (with at least twelve along a window), and the map is
     interpolated between their middles: it varies over windows, and would take minutes. The median is taken on 1023
     steps between the smallest and the largest value.
 
@@ -87,6 +89,11 @@ def feature_scale(
         window = max(3, min(mask.shape) // 4)
     if smoothing is None:
         smoothing = max(3, window // 2)
+    if form != "literal" and (thickness := _thickness(mask)) > max(THICK, window / 16):
+        ctx.warn(
+            f"mask: its features are filled, {thickness:.0f} pixels from side to side, and cover large elements "
+            "and small ones alike: draw outlines, or take form literal if they are gaps"
+        )
     step = _step(mask.shape, window, smoothing)
     density = window_mean(_shares(mask, step), max(1, round(window / step)))
     middle = (density.min() + density.max()) / 2
@@ -111,6 +118,17 @@ def feature_scale(
     if step > 1:
         result = resampled(result, (result.shape[0] * step, result.shape[1] * step))
     return result[: mask.shape[0], : mask.shape[1]].copy()
+
+
+def _thickness(mask: Array) -> float:
+    """Pixels from side to side of features: twice their area over the length of their border, at least 1."""
+    inner = mask.copy()
+    for axis in (0, 1):
+        lines, kept = np.moveaxis(mask, axis, 0), np.moveaxis(inner, axis, 0)
+        kept[1:] &= lines[:-1]
+        kept[:-1] &= lines[1:]
+    border = mask.sum() - inner.sum()
+    return float(max(1.0, 2 * mask.sum() / max(border, 1) - 1))
 
 
 def _step(shape: tuple[int, ...], window: int, smoothing: int) -> int:

@@ -2,7 +2,7 @@ import functools
 
 import numpy as np
 import pytest
-from scipy.ndimage import generic_filter
+from scipy.ndimage import binary_erosion, generic_filter
 from scipy.stats import spearmanr
 
 from graphtex_nodes.image.exemplars.bricks import bricks
@@ -11,7 +11,7 @@ from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.exemplars.woven_cloth import woven_cloth
 from graphtex_nodes.numerics.window_mean import window_mean
 from graphtex_nodes.perspective.feature_mask import feature_mask
-from graphtex_nodes.perspective.feature_scale import feature_scale, window_median
+from graphtex_nodes.perspective.feature_scale import _thickness, feature_scale, window_median
 from tests.truth import rendered_plane
 
 RANDOM = np.random.default_rng(0).random((13, 17))
@@ -54,7 +54,7 @@ def test_equation_one_by_hand():
     """Densities 0, 1/3, 2/3, 1 with a_mid = 1/2, in the three forms."""
     mask = np.zeros((4, 8), bool)
     mask[:, 4:] = True
-    with pytest.warns(UserWarning, match="38% of the scales"):
+    with pytest.warns(UserWarning, match="filled"), pytest.warns(UserWarning, match="38% of the scales"):
         row = {form: feature_scale(mask, window=3, passes=0, form=form)[1] for form in FORMS}
     np.testing.assert_allclose(row["bounded"], [2, 2, 2, 4 / 3, 2 / 3, 0.125, 0.125, 0.125], rtol=1e-6)
     np.testing.assert_allclose(row["literal"], [0.125, 0.125, 0.125, 2 / 3, 4 / 3, 2, 2, 2], rtol=1e-6)
@@ -142,7 +142,7 @@ def test_large_masks_in_blocks(shape):
     expected = 2 - density / ((density.min() + density.max()) / 2)
     found = feature_scale(mask, window=60, smoothing=60, passes=0)
     assert found.shape == shape
-    assert np.abs(found - expected).mean() < 0.02
+    assert np.abs(found - expected).mean() < 0.03
 
 
 def test_small_windows_keep_every_pixel():
@@ -154,8 +154,25 @@ def test_small_windows_keep_every_pixel():
 def test_share_of_clamped_pixels_is_reported():
     mask = np.zeros((20, 20), bool)
     mask[:, 10:] = True
-    with pytest.warns(UserWarning, match=r"4[05]% of the scales lay outside"):
+    with pytest.warns(UserWarning, match="filled"), pytest.warns(UserWarning, match=r"4[05]% of the scales"):
         feature_scale(mask, window=3)
+
+
+def test_filled_features_are_told():
+    """Discs tell no size however they recede; their outlines do, and so do gaps in the literal form."""
+    y, x = np.mgrid[:128, :128] % 16 - 7.5
+    discs = np.hypot(x, y) < 7
+    with pytest.warns(UserWarning, match="features are filled, 8 pixels from side to side"):
+        feature_scale(discs)
+    feature_scale(discs & ~binary_erosion(discs))
+    feature_scale(discs, form="literal")
+
+
+@pytest.mark.parametrize("width", [1, 2, 3])
+def test_thickness_of_lines(width):
+    mask = np.zeros((40, 60), bool)
+    mask[:, 20 : 20 + width] = True
+    assert _thickness(mask) == pytest.approx(width, abs=1)
 
 
 def test_empty_mask():
