@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.figures import Figure, in_turns
 from graphtex_nodes import contact_sheet, draw_elements, find_textons, separate_foreground, textons
 from graphtex_nodes.image.save import save_image
+from graphtex_nodes.splicing._agreement import agreement, central
 from graphtex_nodes.splicing._automatic import TRIED
 from graphtex_nodes.splicing._partitions import partitions
 from graphtex_nodes.splicing._proposals import proposals
@@ -121,40 +122,10 @@ def speed() -> Iterator[Figure]:
     yield Figure("128 x 128: foreground, s", ground)
 
 
-def central(made: Any, unlike: int | None = None) -> tuple[int, Example]:
-    """The element nearest to the picture's middle (of another size than `unlike`), with its number."""
-    areas = np.array([np.count_nonzero(made.labels == i + 1) for i in range(len(made.centres))])
-    middle = (np.array(made.mask.shape[::-1]) - 1) / 2
-    order = np.argsort(np.hypot(*(made.centres - middle).T))
-    index = next(int(i) for i in order if unlike is None or abs(np.log(areas[i] / areas[unlike])) > 0.25)
-    y, x = np.nonzero(made.labels == index + 1)
-    at = made.centres[index]
-    return index, Example(x=at[0], y=at[1], width=np.ptp(x) + 1.0, height=np.ptp(y) + 1.0)
-
-
 def examples(made: Any, kinds: int) -> list[Example]:
     """One element of each kind."""
     index, first = central(made)
     return [first] if kinds == 1 else [first, central(made, index)[1]]
-
-
-def agreement(points: Array, made: Any, size: float) -> tuple[float, Array, Array]:
-    """F1 of points, and which of them are which true elements.
-
-    A point is right within a quarter of the size. Elements whose centre is nearer than that to the border may be found
-    or not.
-    """
-    from scipy.optimize import linear_sum_assignment
-
-    last, margin = np.array(made.mask.shape[::-1]) - 1, size / 4
-    edge, found_edge = (np.asarray(((p < margin) | (p > last - margin)).any(axis=1)) for p in (made.centres, points))
-    apart = np.hypot(*(points[:, None] - made.centres[None]).transpose(2, 0, 1))
-    which, true = linear_sum_assignment(np.minimum(apart, size))
-    right = np.asarray(apart[which, true] < margin)
-    which, true = which[right], true[right]
-    hits = float((~edge[true]).sum())
-    wrong = float((~np.delete(edge, true)).sum()) + float((~np.delete(found_edge, which)).sum())
-    return 2 * hits / max(2 * hits + wrong, 1.0), which, true
 
 
 def save(path: Path, made: Any, found: Any, alone: Any) -> None:

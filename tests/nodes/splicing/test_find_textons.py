@@ -3,9 +3,9 @@ from functools import partial
 import numpy as np
 import pytest
 
-from benchmarks.splicing_detection import agreement, central
 from graphtex import Context
 from graphtex_nodes import find_textons, textons
+from graphtex_nodes.splicing._agreement import agreement, central
 from graphtex_nodes.splicing._peaks import cover, local_maxima, score_floor, suppress
 from graphtex_nodes.splicing._unlit import unlit
 

@@ -3,10 +3,10 @@ from functools import partial
 import numpy as np
 import pytest
 
-from benchmarks.splicing_detection import central
 from graphtex import Elements
 from graphtex_nodes import find_textons, separate_foreground, textons
 from graphtex_nodes.numerics.illumination import evenly_lit
+from graphtex_nodes.splicing._agreement import central
 from graphtex_nodes.splicing._colours import least_cut, mixture_cost, smoothness_costs, told_by_hue
 from graphtex_nodes.splicing._nearness import common_offset
 from graphtex_nodes.splicing.texton_labels import texton_labels
