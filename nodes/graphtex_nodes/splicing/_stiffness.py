@@ -14,6 +14,9 @@ Constraint = Literal["centres", "elements"]
 CONSTRAINT, RIGIDITY = 1e4, 1e2  # lambda_G and lambda_R
 MEMBRANE = 1e-6 * RIGIDITY
 """As little as determines what is open: a hundred times more strains elements by half a percent."""
+SOFT = 1e-4
+"""Share of the rigidity that elements have between rigid joints: with none, only the pixels around a centre follow it;
+ten times more slants bed joints."""
 
 
 @dataclass(frozen=True)
@@ -116,9 +119,9 @@ def matrix(rigid: Array, rules: Rules, rows: Any, free: Array | None, labels: Ar
 
 
 def _counted(rigid: Array, rules: Rules, free: Array | None) -> Array:
-    """Pixels whose difference from their neighbours counts."""
-    counted = np.ones(rigid.shape, bool) if rules.foreground else rigid
-    return counted if free is None else counted & ~free
+    """How much the difference of each pixel from its neighbours counts."""
+    counted = np.ones(rigid.shape) if rules.foreground else np.where(rigid, 1.0, SOFT)
+    return counted if free is None else np.where(free, 0.0, counted)
 
 
 def _along_border(rigid: Array) -> Array:

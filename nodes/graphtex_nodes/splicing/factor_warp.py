@@ -36,8 +36,8 @@ def factor_warp(elements: Extension, *, hold: Hold = "centres", ctx: Context = Q
               + \lambda_R \sum_{p \in S} \Big(\Delta(p) - \sum_{q \in N_4(p)} \tilde u_{pq} \Delta(q)\Big)^2
               + \mu \sum_{pq} (\Delta(p) - \Delta(q))^2
 
-    with C the textons (all, so that the matrix is one for every arrangement), S all pixels where the foreground is
-    rigid (tags F=c and F=d) and the rigid pixels where the background is (B=c), and weights u by table 1:
+    with C the textons (all, so that the matrix is one for every arrangement), S all pixels (where the background is
+    rigid, B=c, those of elements count a ten-thousandth), and weights u by table 1:
     :math:`u_{pq} = M(q) + \varepsilon`, times :math:`\lambda_P` for neighbours across the component's direction unless
     both are not rigid or both lie along a border of the rigid part.
 
@@ -63,8 +63,9 @@ def factor_warp(elements: Extension, *, hold: Hold = "centres", ctx: Context = Q
     -----
     Departures. The paper's second sum runs over the rigid pixels alone, which leaves the others open: the membrane
     (:math:`\mu = 10^{-6} \lambda_R`) determines them. Where the foreground is rigid, S is all pixels, so that elements
-    keep crisp rims. Disjoint elements (F=d) that touch hold each other no more than the ground does. Textons between
-    pixels are constrained bilinearly.
+    keep crisp rims. Where the background is, a little stiffness lets elements follow their centres, at which a membrane
+    alone would be drawn to a point, and pass that on to the joints. Disjoint elements (F=d) that touch hold each other
+    no more than the ground does. Textons between pixels are constrained bilinearly.
     """
     if len(elements.points) == 0:
         raise ValueError("elements: expected at least one texton, got none")
