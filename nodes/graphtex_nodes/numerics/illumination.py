@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 
 DARKEST = 0.02  # of full light: below it a logarithm would follow noise
+WHOLE = (slice(None), slice(None))
 
 
 def evenly_lit(image: Array) -> Array:
@@ -16,17 +17,39 @@ def evenly_lit(image: Array) -> Array:
     The logarithm of brightness is fitted by a polynomial of degree two over the picture, by least squares, and taken
     off: ramps and the dark corners of a lens go, elements stay. The mean logarithm is kept.
     """
-    height, width = image.shape[:2]
+    return without_trend(image, light_trend(image))
+
+
+def light_trend(image: Array) -> Array:
+    """Weights (5,) of the polynomial's terms x, y, x², x y and y², over coordinates from -1 to 1 less their means."""
     bright = np.log(np.maximum(image.mean(axis=2, dtype=np.float64), DARKEST))
-    y, x = np.linspace(-1, 1, height)[:, None], np.linspace(-1, 1, width)[None, :]
-    terms = [np.broadcast_to(term, (height, width)) for term in (x, y, x * x, x * y, y * y)]
-    terms = [term - term.mean() for term in terms]
-    terms = [term for term in terms if np.ptp(term) > 1e-9]  # a line of pixels has none across it
-    if not terms:
-        return image.astype(np.float32)
+    terms = _terms(bright.shape, WHOLE)
     gram = np.array([[(a * b).sum() for b in terms] for a in terms])
+    if np.trace(gram) <= 0:
+        return np.zeros(len(terms))
     side = np.array([(term * bright).sum() for term in terms])
-    weights = np.linalg.solve(gram + 1e-9 * np.trace(gram) * np.eye(len(terms)), side)
+    weights: Array = np.linalg.solve(gram + 1e-9 * np.trace(gram) * np.eye(len(terms)), side)
+    return weights
+
+
+def without_trend(
+    image: Array, weights: Array, shape: tuple[int, ...] | None = None, window: tuple[slice, slice] = WHOLE
+) -> Array:
+    """A picture, or that window of one of a larger shape, with a trend of light taken off, float32."""
+    terms = _terms(image.shape[:2] if shape is None else shape, window)
     trend = sum(weight * term for weight, term in zip(weights, terms, strict=True))
     even: Array = (image / np.exp(trend)[..., None]).astype(np.float32)
     return even
+
+
+def _terms(shape: tuple[int, ...], window: tuple[slice, slice]) -> list[Array]:
+    """The polynomial's terms at the pixels of a window, each of mean 0 over the whole picture."""
+    lines = []
+    for side, part in zip(shape[:2], window, strict=True):
+        place = np.linspace(-1, 1, side)
+        place = place - place.mean()
+        square = place * place
+        lines += [place[part], (square - square.mean())[part]]
+    y, yy, x, xx = lines[0][:, None], lines[1][:, None], lines[2][None], lines[3][None]
+    size = (y.shape[0], x.shape[1])
+    return [np.broadcast_to(term, size) for term in (x, y, xx, x * y, yy)]

@@ -12,14 +12,6 @@ from graphtex_nodes.numerics.strokes import Strokes
 Array = NDArray[Any]
 
 NO_STROKES = Strokes()
-CORE, RIM = 0.85, 1.12  # where an element surely is, and where it surely ends, in its half sizes
-FARTHEST = 0.35  # share of what lies outside of all elements that surely is background
-LEAST_BACKGROUND = 0.02  # share of the picture that background colours are learned from
-CAP = 8.0  # of -log p: no pixel is surer than that
-HARD = 1e6
-SPECK = 0.02  # of an element's area: smaller parts and holes are mistakes
-RARE = 0.15  # share of a background colour among elements, over its share outside
-ROUNDS = 3  # of learning colours from the last cut
 
 
 class Foreground(NamedTuple):
@@ -69,6 +61,7 @@ def separate_foreground(
         background.
     foreground, background
         Pixels that are known: one element, and scribbles, will do. They stay what they are.
+        Of more than a million pixels a reduced picture is cut first, and then bands along the outlines of all of it.
     colours
         ``literal`` is equation 2, with the sign that makes a label cheap where its colours are near: as printed, the
         labels come out exchanged. One wrong sample spoils it.
@@ -99,52 +92,34 @@ def separate_foreground(
     >>> bool((cut.mask == made.mask).mean() > 0.97)
     True
     """
-    from graphtex_nodes.numerics.illumination import evenly_lit
-    from graphtex_nodes.splicing._colours import (
-        least_cut,
-        mixture_cost,
-        nearest_cost,
-        sharpened,
-        smoothness_costs,
-        told_by_hue,
-    )
+    from scipy.ndimage import label, maximum_filter
+
+    from graphtex_nodes.numerics.illumination import light_trend
+    from graphtex_nodes.splicing._cutter import Cutter
+    from graphtex_nodes.splicing._detection import reduced
+    from graphtex_nodes.splicing._outlines import nearest_indices, reduction, refined_labels, refined_outlines
     from graphtex_nodes.splicing.texton_labels import texton_labels
 
     known = _known(image.shape[:2], foreground, background, strokes)
-    picture = (evenly_lit(image) if even_light else image).astype(np.float64)
-    pixels = picture.reshape(-1, picture.shape[2])
-    if colours == "mixture":
-        pixels = told_by_hue(pixels)
-    seeds = _seeds(known, elements, width, height, pixels)
-    right, down = (smoothness * costs for costs in smoothness_costs(picture, sigma))
-    mask = seeds > 0
-    for turn in range(ROUNDS if colours == "mixture" else 1):
-        ctx.progress(turn / ROUNDS, "learning colours")
-        samples = [pixels[(seeds == side).ravel()] for side in (1, -1)]
-        if colours == "literal":
-            costs = nearest_cost(pixels, samples[0]) - nearest_cost(pixels, samples[1])
-        else:
-            ours, theirs = (mixture_cost(pixels, each, clusters) for each in samples)
-            costs = np.clip(ours - theirs, -CAP, CAP)
-        costs = costs.reshape(mask.shape) - HARD * known
-        mask = least_cut(costs, right, down)
-        if not mask.any() or mask.all():
-            break
-        seeds = np.where(mask, 1, -1)
-    size = width * height if elements is not None else 16.0
-    mask = _cleaned(mask, SPECK * size, known)
-    if colours == "mixture":
-        mask = (sharpened(mask, np.maximum(picture, 0) ** 2.2) | (known > 0)) & ~(known < 0)
-    if not mask.any() or mask.all():
-        raise ValueError(
-            f"image: expected colours that tell elements from what is between them, got "
-            f"{'only' if mask.all() else 'no'} foreground; mark some of both by foreground, background or strokes"
-        )
-    if elements is None:
-        from scipy.ndimage import label
+    side = min(width, height) if elements is not None else np.inf
+    step = reduction(image.shape[:2], side) if side > 0 else 1.0
+    ctx.check()
+    small = reduced(image, step)
+    ctx.check()
+    at = np.ix_(*nearest_indices(small.shape[:2], known.shape, 1 / step))
+    ours, theirs = (maximum_filter(known == sign, int(np.ceil(step)))[at].astype(np.int8) for sign in (1, -1))
+    scaled = None if elements is None else elements._replace(points=elements.points / step)
+    cutter = Cutter(colours, clusters, sigma, smoothness, light_trend(small) if even_light else None)
+    mask = cutter.cut(small, ours - theirs, scaled, width / step, height / step, ctx)
+    labels = label(mask)[0] if scaled is None else texton_labels(mask, scaled.points) + 1
+    if step > 1:
 
-        return Foreground(mask, label(mask)[0].astype(np.int32))
-    return Foreground(mask, texton_labels(mask, elements.points) + np.int32(1))
+        def tile(window: tuple[slice, slice]) -> Array:
+            return cutter.evened(image[window], image.shape, window)
+
+        mask = refined_outlines(mask, step, known, tile, cutter.cost, cutter.smoothness_of, ctx)
+        labels = refined_labels(labels, mask, step)
+    return Foreground(mask, labels.astype(np.int32))
 
 
 def _known(shape: tuple[int, ...], foreground: Array | None, background: Array | None, strokes: Strokes) -> Array:
@@ -160,54 +135,3 @@ def _known(shape: tuple[int, ...], foreground: Array | None, background: Array |
         raise ValueError(f"background: expected no pixel that foreground has too, got {both} of them")
     known: Array = sides[0].astype(np.int8) - sides[1].astype(np.int8)
     return known
-
-
-def _seeds(known: Array, elements: Elements | None, width: float, height: float, pixels: Array) -> Array:
-    """Where colours are learned from first: 1 foreground, -1 background, 0 not at all."""
-    from graphtex_nodes.splicing._colours import typical_of
-    from graphtex_nodes.splicing._nearness import distances
-
-    seeds = known.copy()
-    if elements is not None and len(elements.points):
-        if width <= 0 or height <= 0:
-            raise ValueError(f"width: expected the elements' size above 0, got {width:g} x {height:g}")
-        nearness, outside = distances(known.shape, elements, width, height)
-        if not (known < 0).any():
-            inner = _inner(known.shape, elements, width, height)
-            rim = min(RIM, float(np.quantile(outside[inner], 1 - LEAST_BACKGROUND)))
-            beyond = inner & (outside >= rim) & (known == 0)
-            if beyond.any():
-                beyond &= nearness >= np.quantile(nearness[beyond], 1 - FARTHEST)
-            ground = typical_of(pixels, beyond.ravel(), (nearness < 1).ravel(), RARE)
-            seeds[ground.reshape(seeds.shape)] = -1
-        if not (known > 0).any():
-            core = typical_of(pixels, ((nearness < CORE) & (seeds == 0)).ravel(), (seeds < 0).ravel(), 1.0)
-            seeds[core.reshape(seeds.shape)] = 1
-    for name, side in (("foreground", 1), ("background", -1)):
-        if not (seeds == side).any():
-            raise ValueError(f"{name}: expected some pixels of it, by elements, a mask or strokes, got none")
-    return seeds
-
-
-def _inner(shape: tuple[int, ...], elements: Elements, width: float, height: float) -> Array:
-    """Where no element lies whose middle is beyond the picture's border, unseen; everywhere if there is no such place.
-
-    Elements that touch leave little ground: what is farthest from all that were found is then parts of such ones.
-    """
-    margin = int(np.ceil(max(width, height) * np.median(elements.scales) / 2))
-    inner = np.zeros(shape, bool)
-    inner[margin : shape[0] - margin, margin : shape[1] - margin] = True
-    return inner if inner.any() else ~inner
-
-
-def _cleaned(mask: Array, least: float, known: Array) -> Array:
-    """A mask without parts and holes of less than `least` pixels, but for what is known."""
-    from scipy.ndimage import label
-
-    for side in (True, False):
-        parts, _ = label(mask == side)
-        small = np.bincount(parts.ravel()) < least
-        small[0] = False
-        mask = np.where(small[parts], not side, mask)
-    cleaned: Array = (mask | (known > 0)) & ~(known < 0)
-    return cleaned

@@ -3,9 +3,10 @@ from functools import partial
 import numpy as np
 import pytest
 
-from graphtex import Elements
+from graphtex import Context, Elements
 from graphtex_nodes import find_textons, separate_foreground, textons
 from graphtex_nodes.numerics.illumination import evenly_lit
+from graphtex_nodes.splicing import _outlines
 from graphtex_nodes.splicing._agreement import central
 from graphtex_nodes.splicing._colours import least_cut, mixture_cost, smoothness_costs, told_by_hue
 from graphtex_nodes.splicing._nearness import common_offset
@@ -70,6 +71,27 @@ def test_common_offset_by_hand():
     elements = Elements(np.stack([x + 2, y - 1], axis=1), np.zeros(len(x)), np.ones(len(x)))
     np.testing.assert_allclose(common_offset(image, elements, 16.0, 16.0), [-2, 1], atol=0.1)
     assert not common_offset(image[:12], elements, 16.0, 16.0).any()
+
+
+def test_large_pictures_are_cut_along_outlines(monkeypatch):
+    """From a picture of a ninth of the pixels: as good as from all, and better than the small mask enlarged."""
+    made = textons(width=288, height=256, size=60.0, form="leaf", rng=3)
+    options = {"width": 60.0, "height": 60.0}
+    whole = separate_foreground(made.image, made.elements, **options)
+    monkeypatch.setattr(_outlines, "LARGE", made.mask.size // 9)
+    monkeypatch.setattr(_outlines, "TILE", 100)
+    told: list[float] = []
+    ctx = Context(on_progress=lambda share, _: told.append(share))
+    found = separate_foreground(made.image, made.elements, **options, ctx=ctx)
+    assert overlap(found.mask, made.mask) > overlap(whole.mask, made.mask) - 0.01
+    assert len(told) >= 9
+    inside = found.mask & whole.mask
+    assert (found.labels[inside] == whole.labels[inside]).mean() > 0.97
+    enlarged = whole.mask[::3, ::3].repeat(3, axis=0).repeat(3, axis=1)[:256, :288]
+    assert overlap(found.mask, made.mask) > overlap(enlarged, made.mask) + 0.03
+    ground = ~made.mask & (np.random.default_rng(1).random(made.mask.shape) < 0.02)
+    marked = separate_foreground(made.image, made.elements, background=ground, **options)
+    assert not marked.mask[ground].any()
 
 
 def test_one_element_and_scribbles():
