@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from graphtex import Context, Elements
 from graphtex_nodes.numerics.illumination import WHOLE, without_trend
 from graphtex_nodes.splicing._colours import (
+    DARK,
     least_cut,
     mixture_cost,
     nearest_cost,
@@ -27,6 +28,8 @@ CAP = 8.0  # of -log p: no pixel is surer than that
 HARD = 1e6
 SPECK = 0.02  # of an element's area: smaller parts and holes are mistakes
 RARE = 0.15  # share of a background colour among elements, over its share outside
+LOST = 0.25  # share of elements that may come out as background before joints are tried
+MOST = 0.25  # of an element's inside must be foreground: rings are elements too
 ROUNDS = 3  # of learning colours from the last cut
 
 
@@ -40,6 +43,7 @@ class Cutter:
             colours, clusters, sigma, smoothness, trend,
         )  # fmt: skip
         self.samples: list[Array] = []
+        self.by_joints = False
 
     def evened(self, image: Array, shape: tuple[int, ...] | None = None, window: tuple[slice, slice] = WHOLE) -> Array:
         """A picture, or a window of one of that shape, without the trend of light."""
@@ -47,20 +51,9 @@ class Cutter:
         result: Array = even.astype(np.float64)
         return result
 
-    def features(self, pixels: Array) -> Array:
-        """What pixels (n, c) are compared by."""
-        return told_by_hue(pixels) if self.colours == "mixture" else pixels
-
     def cost(self, pixels: Array) -> Array:
-        """What pixels (n, c) cost as foreground less what they cost as background."""
-        features = self.features(pixels)
-        if self.colours == "literal":
-            near, far = (nearest_cost(features, each) for each in self.samples)
-            distance: Array = near - far
-            return distance
-        ours, theirs = (mixture_cost(features, each, self.clusters) for each in self.samples)
-        costs: Array = np.clip(ours - theirs, -CAP, CAP)
-        return costs
+        """What pixels (n, c) cost as foreground less what they cost as background, by their colours."""
+        return self._cost(self._features(pixels))
 
     def smoothness_of(self, picture: Array) -> tuple[Array, Array]:
         """What it costs to part pixels (h, w) from their right and their lower neighbours."""
@@ -72,8 +65,47 @@ class Cutter:
     ) -> Array:
         """The mask (h, w) that costs least, with colours learned anew from it."""
         picture = self.evened(image)
-        pixels = picture.reshape(-1, picture.shape[2])
-        features = self.features(pixels)
+        mask = self._cut(
+            picture, self._features(picture.reshape(-1, picture.shape[2])), known, elements, width, height, ctx
+        )
+        lost = lost_share(mask, elements, width, height)
+        if self.colours == "mixture" and lost > LOST:
+            colour_samples = self.samples
+            depths = joint_depths(picture, min(width, height))
+            by_joints = self._cut(picture, depths, known, elements, width, height, ctx)
+            less = lost_share(by_joints, elements, width, height)
+            self.by_joints = less < lost and not by_joints.all()
+            if self.by_joints:
+                mask, lost = by_joints, less
+            else:
+                self.samples = colour_samples
+        if not mask.any() or mask.all():
+            raise ValueError(
+                f"image: expected colours that tell elements from what is between them, got "
+                f"{'only' if mask.all() else 'no'} foreground; mark some of both by foreground, background or strokes"
+            )
+        if lost > LOST:
+            ctx.warn(f"{lost:.0%} of the elements came out as background; mark some of both by strokes")
+        return mask
+
+    def _features(self, pixels: Array) -> Array:
+        """What pixels (n, c) are compared by."""
+        return told_by_hue(pixels) if self.colours == "mixture" else pixels
+
+    def _cost(self, features: Array) -> Array:
+        if self.colours == "literal":
+            near, far = (nearest_cost(features, each) for each in self.samples)
+            distance: Array = near - far
+            return distance
+        ours, theirs = (mixture_cost(features, each, self.clusters) for each in self.samples)
+        costs: Array = np.clip(ours - theirs, -CAP, CAP)
+        return costs
+
+    def _cut(
+        self, picture: Array, features: Array, known: Array, elements: Elements | None, width: float, height: float,
+        ctx: Context,
+    ) -> Array:  # fmt: skip
+        """The mask that costs least by some features (h w, k) of the pixels."""
         seeds = _seeds(known, elements, width, height, features)
         ctx.check()
         right, down = self.smoothness_of(picture)
@@ -81,8 +113,7 @@ class Cutter:
         for turn in range(ROUNDS if self.colours == "mixture" else 1):
             ctx.progress(turn / ROUNDS, "learning colours")
             self.samples = [features[(seeds == side).ravel()] for side in (1, -1)]
-            costs = self.cost(pixels).reshape(mask.shape) - HARD * known
-            mask = least_cut(costs, right, down)
+            mask = least_cut(self._cost(features).reshape(mask.shape) - HARD * known, right, down)
             if not mask.any() or mask.all():
                 break
             seeds = np.where(mask, 1, -1)
@@ -90,12 +121,37 @@ class Cutter:
         mask = _cleaned(mask, SPECK * size, known)
         if self.colours == "mixture":
             mask = (sharpened(mask, np.maximum(picture, 0) ** 2.2) | (known > 0)) & ~(known < 0)
-        if not mask.any() or mask.all():
-            raise ValueError(
-                f"image: expected colours that tell elements from what is between them, got "
-                f"{'only' if mask.all() else 'no'} foreground; mark some of both by foreground, background or strokes"
-            )
         return mask
+
+
+def lost_share(mask: Array, elements: Elements | None, width: float, height: float) -> float:
+    """Share of the elements most of whose inside is background; 0 without elements."""
+    if elements is None or not len(elements.points):
+        return 0.0
+    line = np.linspace(-CORE, CORE, 9)
+    u, v = (grid.ravel() for grid in np.meshgrid(line, line))
+    inside = u * u + v * v <= CORE * CORE
+    u, v = u[inside] * width / 2, v[inside] * height / 2
+    cos = (np.cos(np.radians(elements.angles)) * elements.scales)[:, None]
+    sin = (np.sin(np.radians(elements.angles)) * elements.scales)[:, None]
+    column = np.rint(elements.points[:, :1] + cos * u - sin * v).astype(np.int64)
+    row = np.rint(elements.points[:, 1:] + sin * u + cos * v).astype(np.int64)
+    seen = (row >= 0) & (row < mask.shape[0]) & (column >= 0) & (column < mask.shape[1])
+    ours = mask[row.clip(0, mask.shape[0] - 1), column.clip(0, mask.shape[1] - 1)] & seen
+    return float((ours.sum(axis=1) < MOST * seen.sum(axis=1)).mean())
+
+
+def joint_depths(image: Array, size: float) -> Array:
+    """How much darker and how much brighter than what is on both sides of them pixels are, (h w, 2), in logarithms.
+
+    Joints between elements of some size may be of the colours of some of the elements.
+    """
+    from scipy.ndimage import gaussian_filter, grey_closing
+
+    side = 2 * max(2, round(size / 8)) + 1
+    light = gaussian_filter(np.log(np.maximum(image.mean(axis=2), 0) + DARK), 0.5)
+    depths = [grey_closing(signed, (side, side)) - signed for signed in (light, -light)]
+    return np.stack(depths, axis=-1).reshape(-1, 2)
 
 
 def _seeds(known: Array, elements: Elements | None, width: float, height: float, pixels: Array) -> Array:

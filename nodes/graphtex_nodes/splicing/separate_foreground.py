@@ -58,7 +58,9 @@ def separate_foreground(
         Shape (h, w, c).
     elements
         As `FindTextons` gives them: their middles are foreground to begin with, what is outside of all of them
-        background.
+        background. If colours make background of more than a quarter of the elements, as where these have several
+        colours and one of them is the joints', pixels are told instead by how much darker or brighter they are than
+        what is on both sides of them.
     foreground, background
         Pixels that are known: one element, and scribbles, will do. They stay what they are.
         Of more than a million pixels a reduced picture is cut first, and then bands along the outlines of all of it.
@@ -113,11 +115,15 @@ def separate_foreground(
     mask = cutter.cut(small, ours - theirs, scaled, width / step, height / step, ctx)
     labels = label(mask)[0] if scaled is None else texton_labels(mask, scaled.points) + 1
     if step > 1:
+        if cutter.by_joints:
+            mask = mask[np.ix_(*nearest_indices(known.shape, mask.shape, step))]
+            mask = (mask | (known > 0)) & ~(known < 0)
+        else:
 
-        def tile(window: tuple[slice, slice]) -> Array:
-            return cutter.evened(image[window], image.shape, window)
+            def tile(window: tuple[slice, slice]) -> Array:
+                return cutter.evened(image[window], image.shape, window)
 
-        mask = refined_outlines(mask, step, known, tile, cutter.cost, cutter.smoothness_of, ctx)
+            mask = refined_outlines(mask, step, known, tile, cutter.cost, cutter.smoothness_of, ctx)
         labels = refined_labels(labels, mask, step)
     return Foreground(mask, labels.astype(np.int32))
 

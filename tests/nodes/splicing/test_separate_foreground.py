@@ -2,6 +2,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from graphtex import Context, Elements
 from graphtex_nodes import find_textons, separate_foreground, textons
@@ -9,6 +10,7 @@ from graphtex_nodes.numerics.illumination import evenly_lit
 from graphtex_nodes.splicing import _outlines
 from graphtex_nodes.splicing._agreement import central
 from graphtex_nodes.splicing._colours import least_cut, mixture_cost, smoothness_costs, told_by_hue
+from graphtex_nodes.splicing._cutter import Cutter, lost_share
 from graphtex_nodes.splicing._nearness import common_offset
 from graphtex_nodes.splicing.texton_labels import texton_labels
 
@@ -59,6 +61,39 @@ def test_touching_elements_found_without_an_example(seed):
     found = find_textons(made.image)
     assert found.width == pytest.approx(24, rel=0.15)
     assert overlap(cut(made.image).mask, made.mask) >= 0.9
+
+
+def test_joints_of_the_colour_of_some_bricks():
+    """A stained pavement with some light bricks: darker than what is on both sides are the joints alone."""
+    rng = np.random.default_rng(1)
+    image, truth, centres = np.full((120, 160), 0.36), np.zeros((120, 160), bool), []
+    for row, top in enumerate(range(1, 118, 12)):
+        for left in range(-10 * (row % 2) + 1, 160, 20):
+            brick = np.s_[top : top + 10, max(left, 0) : left + 18]
+            image[brick], truth[brick] = 0.9 if rng.random() < 0.2 else 0.44, True
+            centres.append((left + 8.5, top + 4.5))
+    stain = gaussian_filter(rng.normal(0, 1, image.shape), 12)
+    image = image * np.exp(0.3 * stain / stain.std()) + rng.normal(0, 0.01, image.shape)
+    image = image.clip(0, 1).astype(np.float32)[..., None]
+    elements = Elements(np.array(centres), np.zeros(len(centres)), np.ones(len(centres)))
+    found = separate_foreground(image, elements, width=18.0, height=10.0)
+    assert overlap(found.mask, truth) >= 0.9
+    even = evenly_lit(image).astype(np.float64)
+    by_colours = Cutter("mixture", 5, None, 2.0, None)._cut(
+        even, told_by_hue(even.reshape(-1, 1)), np.zeros(truth.shape, np.int8), elements, 18.0, 10.0, Context()
+    )
+    assert overlap(by_colours, truth) < 0.6
+    assert lost_share(by_colours, elements, 18.0, 10.0) > 0.25
+
+
+def test_lost_elements_by_hand():
+    """Two of four are not in the mask; a ring is in it."""
+    y, x = np.mgrid[:40, :80]
+    mask = np.hypot(x - 10, y - 20) < 8
+    mask |= (np.hypot(x - 30, y - 20) < 8) & (np.hypot(x - 30, y - 20) > 5)
+    elements = Elements(np.array([[10.0, 20], [30, 20], [50, 20], [70, 20]]), np.zeros(4), np.ones(4))
+    assert lost_share(mask, elements, 16.0, 16.0) == 0.5
+    assert lost_share(mask, None, 0.0, 0.0) == 0
 
 
 def test_common_offset_by_hand():
