@@ -11,7 +11,7 @@ Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
-CROWDED = 0.1
+CROWDED = 0.05
 """What a window pays for each copy around, in variances of the exemplar's windows times the evenness."""
 MOST_CROWDED = 4096
 """Exemplar windows up to which a level is no fine one: those keep what is where."""
