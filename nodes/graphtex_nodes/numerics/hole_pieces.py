@@ -241,7 +241,7 @@ def _spread(level: Level) -> float:
 
 def _length(vectors: Array) -> Array:
     """Euclidean lengths over the last axis."""
-    result: Array = np.sqrt((vectors**2).sum(axis=-1))
+    result: Array = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
     return result
 
 

@@ -120,7 +120,7 @@ def relaxed(degree: Any, edges: list[Any], right_side: Any, work: Work) -> Any:
     residual = right_side.copy()
     scaled = residual / degree[:, None]
     direction = scaled.copy()
-    old = (residual * scaled).sum(axis=0)
+    old = _products(residual, scaled)
     goal = TOLERANCE**2 * old
     for step in range(MOST):
         if step % 20 == 0:
@@ -128,12 +128,17 @@ def relaxed(degree: Any, edges: list[Any], right_side: Any, work: Work) -> Any:
         if (old <= goal).all():
             break
         image = matrix @ direction
-        curvature = (direction * image).sum(axis=0)
+        curvature = _products(direction, image)
         length = old / np.where(curvature > 0, curvature, 1)
         solution += length * direction
         residual -= length * image
         scaled = residual / degree[:, None]
-        new = (residual * scaled).sum(axis=0)
+        new = _products(residual, scaled)
         direction = scaled + new / np.where(old > 0, old, 1) * direction
         old = new
     return solution
+
+
+def _products(one: Any, other: Any) -> Any:
+    """Scalar product of each channel (c,) of values (n, c); sums over a first axis are several times as slow."""
+    return np.einsum("ij,ij->j", one, other)
