@@ -45,7 +45,8 @@ def trust(scale: Array, chosen: NDArray[np.bool_]) -> float:
         return 1.0
     spread = float(np.std(np.log(values[known])))
     share = plane_share(values[known], fitted_plane(values, known)[known])
-    return max(LEAST, *(_ramp(value, *ends) for value, ends in ((spread, SPREADS), (share, SHARES))))
+    trusted = max(LEAST, _ramp(spread, *SPREADS), _ramp(share, *SHARES))
+    return round(trusted, 2)  # the last bits of a fit may differ with the number of threads, those of a picture may not
 
 
 def _ramp(value: float, low: float, high: float) -> float:
