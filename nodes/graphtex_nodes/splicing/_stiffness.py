@@ -14,9 +14,9 @@ Constraint = Literal["centres", "elements"]
 CONSTRAINT, RIGIDITY = 1e4, 1e2  # lambda_G and lambda_R
 MEMBRANE = 1e-6 * RIGIDITY
 """As little as determines what is open: a hundred times more strains elements by half a percent."""
-SOFT = 1e-4
+SOFT = 2e-5
 """Share of the rigidity that elements have between rigid joints: with none, only the pixels around a centre follow it;
-ten times more slants bed joints."""
+a hundred times more slants bed joints."""
 
 
 @dataclass(frozen=True)

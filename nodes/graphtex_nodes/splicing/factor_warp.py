@@ -37,7 +37,7 @@ def factor_warp(elements: Extension, *, hold: Hold = "centres", ctx: Context = Q
               + \mu \sum_{pq} (\Delta(p) - \Delta(q))^2
 
     with C the textons (all, so that the matrix is one for every arrangement), S all pixels (where the background is
-    rigid, B=c, those of elements count a ten-thousandth), and weights u by table 1:
+    rigid, B=c, those of elements count a fifty-thousandth), and weights u by table 1:
     :math:`u_{pq} = M(q) + \varepsilon`, times :math:`\lambda_P` for neighbours across the component's direction unless
     both are not rigid or both lie along a border of the rigid part.
 

