@@ -29,7 +29,7 @@ def standing(
     of the exemplar keep their share of the output, which finer levels do not change much. On all but fine levels a
     place costs more near where it is shown already: see :func:`crowding`. But not where some places are wanted more
     than others: those that a guide asks for in one part of the output are few, and must repeat. All this hardly changes
-    from one turn to the next.
+    from one turn to the next: see :func:`lasting`.
 
     Parameters
     ----------
@@ -62,8 +62,17 @@ def standing(
     if field is None or np.ptp(share) > 0:
         return result[None, None]
     variance = features.var(axis=(0, 1), dtype=np.float64).sum()
-    copies = crowding(field, (height, width), step) * np.float32(CROWDED * evenness * variance)
-    return result + copies.take(np.arange(height) // step, 2).take(np.arange(width) // step, 3) * relief
+    copies, cell = crowding(field, (height, width), step)
+    copies *= relief[::cell, ::cell] * np.float32(CROWDED * evenness * variance)
+    charges: Array = copies.take(np.arange(height) // cell, 2).take(np.arange(width) // cell, 3)
+    if places <= MOST_PLACES:
+        charges += result
+    return charges
+
+
+def lasting(share: Array, allowed: Flags | None) -> int:
+    """Turns for which a standing charge lasts: fewer where it holds prices than where it tells of crowding alone."""
+    return 2 if (share.size if allowed is None else np.count_nonzero(allowed)) <= MOST_PLACES else 4
 
 
 def charge(
@@ -93,8 +102,8 @@ def charge(
     return result
 
 
-def crowding(field: Field, shape: tuple[int, int], step: int) -> Array:
-    """How many other copies of each place of the exemplar are shown around each of a x b tiles of the output.
+def crowding(field: Field, shape: tuple[int, int], step: int) -> tuple[Array, int]:
+    """How many other copies of each cell of the exemplar are shown around each of a x b tiles of the output.
 
     Those count that are at most half the exemplar away, but not the nearest: a tile and the eight around it are the
     place itself. Without a charge for them copies meet as chance has it: the eye finds those that are close together.
@@ -106,27 +115,40 @@ def crowding(field: Field, shape: tuple[int, int], step: int) -> Array:
     shape
         Rows and columns of the exemplar's windows.
     step
-        Distance of neighbouring windows of the output in pixels: as many exemplar windows each way count as one place.
+        Distance of neighbouring windows of the output in pixels.
 
     Returns
     -------
-    float32, (a, b, h / step, w / step), both rounded up.
+    copies, cell
+        float32 (a, b, h / cell, w / cell), both rounded up, and the side of a cell in windows of the exemplar. Cells
+        are smaller than tiles, and neighbouring ones share what they are shown: they hold the same elements.
     """
     from scipy.ndimage import uniform_filter
 
     reach = min(shape) / 2 / step
     tile = max(1, round(reach / 3))
+    cell = step * max(1, tile // 2)
     sides = [-(-side // tile) for side in field.shape[:2]]
-    cells = [-(-side // step) for side in shape]
+    cells = [-(-side // cell) for side in shape]
     rows, columns = (np.arange(side) * count // side for side, count in zip(field.shape[:2], sides, strict=True))
-    place = (rows[:, None] * sides[1] + columns) * cells[0] + field[..., 0] // step
-    place = place * cells[1] + field[..., 1] // step
+    place = (rows[:, None] * sides[1] + columns) * cells[0] + field[..., 0] // cell
+    place = place * cells[1] + field[..., 1] // cell
     counts = np.bincount(place.ravel(), minlength=int(np.prod(sides + cells))).reshape(*sides, *cells)
-    shown = uniform_filter(counts.astype(np.float32), (1, 1, 3, 3), mode="nearest")
-    span = 2 * round(reach / tile) + 1
-    around, here = (uniform_filter(shown, (n, n, 1, 1), mode="constant") * np.float32(n * n) for n in (span, 3))
-    copies: Array = np.maximum(around - here, 0)
-    return copies
+    others = _around(counts, round(reach / tile)) - _around(counts, 1)
+    copies = uniform_filter(np.maximum(others, 0).astype(np.float32), (1, 1, 3, 3), mode="nearest")
+    return copies * np.float32((step / cell) ** 2), cell
+
+
+def _around(counts: NDArray[np.intp], radius: int) -> NDArray[np.intp]:
+    """Sums (a, b, ...) over the tiles at most ``radius`` away each way."""
+    side = 2 * radius + 1
+    for axis in (0, 1):
+        lines = counts.swapaxes(0, axis)
+        total = np.zeros((len(lines) + side, *lines.shape[1:]), np.intp)
+        np.cumsum(lines, axis=0, out=total[radius + 1 : len(total) - radius])
+        total[len(total) - radius :] = total[len(total) - radius - 1]
+        counts = (total[side:] - total[:-side]).swapaxes(0, axis)
+    return counts
 
 
 def local_relief(image: Array, window: int) -> Array:

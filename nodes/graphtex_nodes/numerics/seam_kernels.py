@@ -124,11 +124,18 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
     piece_x = np.empty(falloff.size, np.int64)
     support = np.empty(falloff.size, np.float32)
     for y in range(first, stop):
+        # another piece in the square around a pixel has a seam one pixel nearer, unless it holds but a corner
         near[:] = 0
-        for line in range(max(0, y - radius), min(height, y + radius + 1)):
+        for line in range(max(0, y - radius + 1), min(height, y + radius)):
             near[radius : radius + width] |= seams[line]
         close[:] = 0
-        for shift in range(2 * radius + 1):
+        for shift in range(1, 2 * radius):
+            close |= near[shift : shift + width]
+        near[:] = 0
+        for line in (y - radius, y + radius):
+            if 0 <= line < height:
+                near[radius : radius + width] |= seams[line]
+        for shift in (0, 2 * radius):
             close |= near[shift : shift + width]
         for x in range(width):
             here_y = source[y, x, 0]

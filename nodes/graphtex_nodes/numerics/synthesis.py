@@ -18,8 +18,6 @@ from graphtex_nodes.numerics.search import EXACT_LIMIT, exact_cost, search_exact
 from graphtex_nodes.numerics.voting import robust_weights, vote_mean, vote_source, window_falloff
 from graphtex_nodes.numerics.windows import Basis, principal_basis
 
-STANDING = 2
-"""Turns for which a charge that hardly changes stands."""
 FADING = 0.25
 """Windows' sides over which the weight of what is not known yet falls to 1/e of that beside known pixels."""
 LEAST = 0.05
@@ -225,7 +223,7 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, turn: 
     windows = level.basis.project(level.canvas, grid.step, work, wanted)
     chosen = slice(None) if wanted is None else wanted
     standing = before.standing
-    if standing is None or turn[1] % STANDING == 0:
+    if standing is None or turn[1] % evenness.lasting(level.share, level.allowed) == 0:
         standing = _standing(level, windows, None if turn == (0, 0) else before.field, settings.evenness, work)
     charge = standing + evenness.charge(
         level.share, level.relief, before.field, before.mean,

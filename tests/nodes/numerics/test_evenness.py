@@ -62,7 +62,8 @@ def test_crowding_by_hand():
     """
     field = np.full((1, 24, 2), 7, np.int32)
     field[0, [4, 8]] = 3
-    found = crowding(field, (8, 8), 1)
+    found, cell = crowding(field, (8, 8), 1)
+    assert cell == 1
     assert found.shape == (1, 24, 8, 8)
     for place in ((3, 3), (2, 4)):
         assert found[0, :, *place] * 9 == pytest.approx([1] * 3 + [0] + [1, 1, 2, 1, 1] + [0] + [1] * 3 + [0] * 11)
