@@ -66,9 +66,9 @@ def feature_mask(
         Standard deviation of the Gaussian, for ridges about half the width of a line, in pixels after the halvings.
         Grain finer than this is passed over: raise it for photographs in which only the near texels show grain.
     threshold
-        Relative to a value for each method that was found to suit most pictures, in standard deviations of the picture:
-        1.9 for canny's gradient (change over two pixels), 0.175 for the curvature of ridges (times sigma²), 0.3 for the
-        difference of contrast. For scribbles the ratio of likelihoods, feature over the rest.
+        Relative to a value for each method that was found to suit most pictures, in standard deviations of a
+        component: 1.9 for canny's gradient (change over two pixels), 0.15 for the curvature of ridges (times sigma²),
+        0.3 for the difference of contrast. For scribbles the ratio of likelihoods, feature over the rest.
     halvings
         Features are sought in the picture halved so often (which takes little memory too), and the mask is that one
         magnified. Without a value, as often as makes the longer side 2048 pixels at most, and on while ridges of
@@ -100,8 +100,8 @@ def feature_mask(
     """
     if method in ("canny", "scribbles") and polarity != "both":
         raise ValueError(f"polarity: method {method} knows no sides, expected 'both', got {polarity!r}")
-    factor = 1 << (_halvings(image) if halvings is None else halvings)
-    small = _halved(image, factor)
+    small, count = _sharp(image) if halvings is None else (_halved(image, halvings), halvings)
+    factor = 1 << count
     ctx.progress(0.3, f"features of {small.shape[1]} x {small.shape[0]} pixels")
     if method == "scribbles":
         mask = _coloured(small, *_shown(image.shape, strokes, samples, factor), sigma, threshold)
@@ -124,24 +124,24 @@ def feature_mask(
     return mask.repeat(factor, axis=0).repeat(factor, axis=1)[: image.shape[0], : image.shape[1]]
 
 
-def _halved(image: Array, factor: int) -> Array:
-    """The picture 1 / factor as large, a power of 2."""
-    while factor > 1:
-        image, factor = halve(image), factor // 2
+def _halved(image: Array, count: int) -> Array:
+    """The picture halved so often."""
+    for _ in range(count):
+        image = halve(image)
     return image
 
 
-def _halvings(image: Array) -> int:
-    """How often a picture is halved until it has detail as fine as its pixels; where it never has, to the best."""
-    shares: dict[int, float] = {}
+def _sharp(image: Array) -> tuple[Array, int]:
+    """A picture halved until it has detail as fine as its pixels, and how often; where it never has, the best."""
     count = 0
     while max(image.shape[:2]) > LARGEST:
         image, count = halve(image), count + 1
-    while True:
-        shares[count] = _ridge_share(image)
-        if shares[count] >= LEAST_SHARE or min(image.shape[:2]) < 2 * SMALLEST:
-            return max(shares, key=lambda count: min(shares[count], LEAST_SHARE))
+    share, best = _ridge_share(image), (image, count)
+    while share < LEAST_SHARE and min(image.shape[:2]) >= 2 * SMALLEST:
         image, count = halve(image), count + 1
+        if (found := _ridge_share(image)) > share:
+            share, best = found, (image, count)
+    return best
 
 
 def _ridge_share(image: Array) -> float:
