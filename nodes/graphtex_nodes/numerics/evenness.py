@@ -52,7 +52,7 @@ def standing(
     height, width = features.shape[:2]
     result = np.zeros((height, width), np.float32)
     may = np.ones((height, width), bool) if allowed is None else allowed
-    places = np.count_nonzero(may)
+    places = _count(share, allowed)
     if evenness <= 0 or places > MOST_CROWDED:
         return result[None, None]
     if places <= MOST_PLACES:
@@ -72,7 +72,12 @@ def standing(
 
 def lasting(share: Array, allowed: Flags | None) -> int:
     """Turns for which a standing charge lasts: fewer where it holds prices than where it tells of crowding alone."""
-    return 2 if (share.size if allowed is None else np.count_nonzero(allowed)) <= MOST_PLACES else 4
+    return 2 if _count(share, allowed) <= MOST_PLACES else 4
+
+
+def _count(share: Array, allowed: Flags | None) -> int:
+    """How many exemplar windows may be used."""
+    return share.size if allowed is None else int(np.count_nonzero(allowed))
 
 
 def charge(
@@ -94,8 +99,7 @@ def charge(
     wanted
         Output windows (rows, columns) that look for a source, if not all do: then there are no prices.
     """
-    places = share.size if allowed is None else np.count_nonzero(allowed)
-    if evenness <= 0 or mean <= 0 or (wanted is None and places <= MOST_PLACES):
+    if evenness <= 0 or mean <= 0 or (wanted is None and _count(share, allowed) <= MOST_PLACES):
         return np.zeros(share.shape, np.float32)
     used = usage(field if wanted is None else field[wanted], share.shape, radius, allowed)
     result: Array = np.maximum(0, used / share - 1) * relief * np.float32(evenness * mean)
