@@ -13,7 +13,7 @@ from graphtex_nodes import contact_sheet, draw_elements, find_textons, separate_
 from graphtex_nodes.image.save import save_image
 from graphtex_nodes.splicing._agreement import agreement, central
 from graphtex_nodes.splicing._automatic import TRIED
-from graphtex_nodes.splicing._partitions import partitions
+from graphtex_nodes.splicing._partitions import even_and_small, partitions
 from graphtex_nodes.splicing._proposals import proposals
 from graphtex_nodes.splicing._templates import Example
 
@@ -108,7 +108,8 @@ def speed() -> Iterator[Figure]:
 
     def careful() -> None:
         for made in pictures:
-            for guess in proposals(made.image, partitions(made.image))[:TRIED]:
+            even = even_and_small(made.image)
+            for guess in proposals(even, partitions(even))[:TRIED]:
                 find_textons(made.image, examples=[guess.example])
 
     def cut() -> None:

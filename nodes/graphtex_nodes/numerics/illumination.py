@@ -20,9 +20,15 @@ def evenly_lit(image: Array) -> Array:
     return without_trend(image, light_trend(image))
 
 
+def log_brightness(image: Array) -> Array:
+    """Logarithm (h, w) of the mean of a picture's channels, float64."""
+    result: Array = np.log(np.maximum(image.mean(axis=2, dtype=np.float64), DARKEST))
+    return result
+
+
 def light_trend(image: Array) -> Array:
     """Weights (5,) of the polynomial's terms x, y, x², x y and y², over coordinates from -1 to 1 less their means."""
-    bright = np.log(np.maximum(image.mean(axis=2, dtype=np.float64), DARKEST))
+    bright = log_brightness(image)
     terms = _terms(bright.shape, WHOLE)
     gram = np.array([[(a * b).sum() for b in terms] for a in terms])
     if np.trace(gram) <= 0:

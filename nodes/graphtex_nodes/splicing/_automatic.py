@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from graphtex import Elements
 from graphtex_nodes.splicing._detection import Detection, Search
 from graphtex_nodes.splicing._nearness import common_offset
-from graphtex_nodes.splicing._partitions import LARGEST_SHARE, LEAST_COUNT, Parts, even_and_small, partitions
+from graphtex_nodes.splicing._partitions import LARGEST_SHARE, LEAST_COUNT, Even, Parts, even_and_small, partitions
 from graphtex_nodes.splicing._peaks import score_floor
 from graphtex_nodes.splicing._poses import Poses
 from graphtex_nodes.splicing._proposals import Proposal, enlarged, from_parts, proposals
@@ -52,9 +52,10 @@ def choose(image: Array, search: Search) -> Choice | None:
     taken if they look more like elements than the others explain, and the others miss some of them or all have one
     size where the parts have not. They have no angles.
     """
-    divided = partitions(image)
-    alike = _alike(image, divided, search)
-    alike = None if alike is None else _centred(alike, image)
+    even = even_and_small(image)
+    divided = partitions(even)
+    alike = _alike(even, divided, search)
+    alike = None if alike is None else _centred(alike, even)
     if not divided:
         return alike
     parts = _of_parts(divided[0], search)
@@ -66,16 +67,16 @@ def choose(image: Array, search: Search) -> Choice | None:
     return alike if alike.confidence >= parts.confidence else parts
 
 
-def _centred(choice: Choice, image: Array) -> Choice:
+def _centred(choice: Choice, even: Even) -> Choice:
     """The same with its elements' centres where colours change most at their outlines; pairs stay as they are."""
     if len(choice.examples) > 1:
         return choice
-    small, step = even_and_small(image)
+    step = even.step
     example, poses = choice.examples[0], choice.found.poses
     kept = _likely(poses, choice.floor)
     elements = Elements(kept.points / step, kept.angles, kept.scales)
-    offset = common_offset(small, elements, example.width / step, example.height / step) * step
-    last = np.array(image.shape[1::-1]) - 1
+    offset = common_offset(even.picture, elements, example.width / step, example.height / step) * step
+    last = np.array(even.size[::-1]) - 1
     x, y = np.clip(np.array([example.x, example.y]) + offset, 0, last)
     moved = replace(choice.found, poses=replace(poses, points=poses.points + offset))
     return replace(choice, examples=[example.model_copy(update={"x": float(x), "y": float(y)})], found=moved)
@@ -103,25 +104,25 @@ def _of_parts(parts: Parts, search: Search) -> Choice:
     return Choice([example], replace(search.detect([example]), poses=poses), 0.0, parts.merit)
 
 
-def _alike(image: Array, divided: list[Parts], search: Search) -> Choice | None:
+def _alike(even: Even, divided: list[Parts], search: Search) -> Choice | None:
     """What looks like one example, or like two, and explains the picture best.
 
     Guesses are compared by quick trials; the winner is searched with care. A second kind is what of the best
     partition's parts it has missed.
     """
-    guesses = proposals(image, divided)[:TRIED]
-    merits = [_trial(guess, search, image.shape) for guess in guesses]
+    guesses = proposals(even, divided)[:TRIED]
+    merits = [_trial(guess, search, even.size) for guess in guesses]
     if not merits or max(merits) <= 0:
         return None
     first = guesses[int(np.argmax(merits))]
-    one = _searched([first.example], first.merit, search, image.shape)
+    one = _searched([first.example], first.merit, search, even.size)
     if not divided:
         return one
     missed = _missed(one, divided[0])
     second = from_parts(divided[0], missed) if missed.sum() >= OTHER * divided[0].fits.sum() else None
     if second is None:
         return one
-    both = _searched([first.example, second.example], divided[0].merit, search, image.shape)
+    both = _searched([first.example, second.example], divided[0].merit, search, even.size)
     return both if both.confidence > GAIN * one.confidence else one
 
 

@@ -17,7 +17,8 @@ from graphtex_nodes.splicing._colours import (
     told_by_hue,
     typical_of,
 )
-from graphtex_nodes.splicing._nearness import distances
+from graphtex_nodes.splicing._nearness import distances, places_in
+from graphtex_nodes.splicing._partitions import without_small_holes
 
 Array = NDArray[Any]
 
@@ -132,10 +133,7 @@ def lost_share(mask: Array, elements: Elements | None, width: float, height: flo
     u, v = (grid.ravel() for grid in np.meshgrid(line, line))
     inside = u * u + v * v <= CORE * CORE
     u, v = u[inside] * width / 2, v[inside] * height / 2
-    cos = (np.cos(np.radians(elements.angles)) * elements.scales)[:, None]
-    sin = (np.sin(np.radians(elements.angles)) * elements.scales)[:, None]
-    column = np.rint(elements.points[:, :1] + cos * u - sin * v).astype(np.int64)
-    row = np.rint(elements.points[:, 1:] + sin * u + cos * v).astype(np.int64)
+    column, row = (np.rint(places).astype(np.int64) for places in places_in(elements, u, v))
     seen = (row >= 0) & (row < mask.shape[0]) & (column >= 0) & (column < mask.shape[1])
     ours = mask[row.clip(0, mask.shape[0] - 1), column.clip(0, mask.shape[1] - 1)] & seen
     return float((ours.sum(axis=1) < MOST * seen.sum(axis=1)).mean())
@@ -191,12 +189,6 @@ def _inner(shape: tuple[int, ...], elements: Elements, width: float, height: flo
 
 def _cleaned(mask: Array, least: float, known: Array) -> Array:
     """A mask without parts and holes of less than `least` pixels, but for what is known."""
-    from scipy.ndimage import label
-
-    for side in (True, False):
-        parts, _ = label(mask == side)
-        small = np.bincount(parts.ravel()) < least
-        small[0] = False
-        mask = np.where(small[parts], not side, mask)
+    mask = without_small_holes(~without_small_holes(~mask, least), least)
     cleaned: Array = (mask | (known > 0)) & ~(known < 0)
     return cleaned

@@ -33,6 +33,13 @@ def distances(shape: tuple[int, ...], elements: Elements, width: float, height: 
     return round_distance, square_distance
 
 
+def places_in(elements: Elements, u: Array, v: Array) -> tuple[Array, Array]:
+    """Column and row (n, k) of places u, v (k,) of each element, in pixels of one that is neither turned nor sized."""
+    cos = (np.cos(np.radians(elements.angles)) * elements.scales)[:, None]
+    sin = (np.sin(np.radians(elements.angles)) * elements.scales)[:, None]
+    return elements.points[:, :1] + cos * u - sin * v, elements.points[:, 1:] + sin * u + cos * v
+
+
 def common_offset(image: Array, elements: Elements, width: float, height: float) -> Array:
     """Shift (x, y) of all elements by which the side of their outline tells most about a picture's (h, w, c) colours.
 

@@ -3,12 +3,12 @@
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics.illumination import evenly_lit
+from graphtex_nodes.numerics.illumination import evenly_lit, log_brightness
 from graphtex_nodes.numerics.windows import leading_directions
 from graphtex_nodes.splicing._unlit import is_colourful, light_shares
 
@@ -19,7 +19,6 @@ LEAST_COUNT = 4  # elements that make a texture
 LEAST_SIDE = 4  # pixels of an element, reduced
 LARGEST_SHARE = 0.12  # of the picture that one element covers
 JOINTS = (3, 6)  # reduced pixels: half widths of what parts may be joined by
-DARK = 0.02  # of full light: below it a logarithm would follow noise
 PINHOLE = 12  # reduced pixels
 NECK = 0.75  # two parts have grown together where they are narrower than this share of the narrower one
 RIM = 1.0  # reduced pixels: joints are taken half a pixel too wide on each side
@@ -29,6 +28,14 @@ HARDLY_WORSE = 0.7  # times the merit
 SMALLER = 0.25  # of the others' area: smaller ones are chips
 SAME = 0.9  # share of parts that must be found again
 GROUND = 0.25  # power of the pixels in parts, when partitions are compared
+
+
+class Even(NamedTuple):
+    """An evenly lit, reduced picture, pixels of the whole one between its own, and the (height, width) of that one."""
+
+    picture: Array
+    step: float
+    size: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -89,22 +96,21 @@ class Parts:
         return bool(again >= SAME and more >= MORE * np.count_nonzero(other.fits))
 
 
-def partitions(image: Array) -> list[Parts]:
+def partitions(even: Even) -> list[Parts]:
     """A picture's partitions, the best first."""
-    small, step = even_and_small(image)
-    found = [measured(split(mask), contrast, step, image.shape[:2], rim) for mask, contrast, rim in solids(small)]
+    found = [measured(split(mask), contrast, even.step, even.size, rim) for mask, contrast, rim in solids(even.picture)]
     ordered = sorted((parts for parts in found if parts is not None), key=lambda parts: -parts.weight)
     # a colour may tell one kind of element only
     whole = next((parts for parts in ordered[1:] if parts.hold(ordered[0])), None)
     return ordered if whole is None else [whole, *(parts for parts in ordered if parts is not whole)]
 
 
-def even_and_small(image: Array) -> tuple[Array, float]:
-    """A picture without slow changes of light, reduced to `SIDE` pixels, and its pixels between those that are left."""
+def even_and_small(image: Array) -> Even:
+    """A picture without slow changes of light, reduced so that its longer side has `SIDE` pixels at most."""
     from graphtex_nodes.splicing._detection import reduced
 
     step = max(1.0, max(image.shape[:2]) / SIDE)
-    return reduced(evenly_lit(image), step), step
+    return Even(reduced(evenly_lit(image), step), step, image.shape[:2])
 
 
 def solids(image: Array) -> Iterator[tuple[Array, float, float]]:
@@ -114,11 +120,11 @@ def solids(image: Array) -> Iterator[tuple[Array, float, float]]:
     """
     from scipy.ndimage import binary_fill_holes, binary_opening, gaussian_filter, grey_closing
 
-    light = gaussian_filter(np.log(np.maximum(image.mean(axis=2, dtype=np.float64), DARK)), 0.7)
+    light = gaussian_filter(log_brightness(image), 0.7)
     for signed, radius in itertools.product((light, -light), JOINTS):
         depth = grey_closing(signed, (2 * radius + 1,) * 2) - signed
         for joint, contrast in _halves(depth):
-            yield _without_pinholes(binary_opening(~joint)), contrast, RIM
+            yield without_small_holes(binary_opening(~joint), PINHOLE), contrast, RIM
     for channel in colour_channels(image):
         for above, contrast in _halves(gaussian_filter(channel, 0.7)):
             for half in (above, ~above):
@@ -140,11 +146,12 @@ def _halves(values: Array) -> Iterator[tuple[Array, float]]:
     yield above, float(np.clip((between - CHANCE) / (CLEAR - CHANCE), 0, 1))
 
 
-def _without_pinholes(mask: Array) -> Array:
+def without_small_holes(mask: Array, least: float) -> Array:
+    """A mask (h, w) whose holes of less than `least` pixels are filled."""
     from scipy.ndimage import label
 
     holes = label(~mask)[0]
-    small = np.bincount(holes.ravel()) < PINHOLE
+    small = np.bincount(holes.ravel()) < least
     small[0] = False
     filled: Array = mask | small[holes]
     return filled

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex import Context
+from graphtex import Context, Elements
 from graphtex_nodes.numerics.appearance import appearance_space
 from graphtex_nodes.numerics.correlation import Correlator
+from graphtex_nodes.splicing._nearness import places_in
 from graphtex_nodes.splicing._templates import Example, cut_out
 
 Array = NDArray[Any]
@@ -174,10 +175,7 @@ def _samples(image: Array, poses: Poses, u: Array, v: Array) -> tuple[Array, Arr
     """Values (n, k, c) of a picture at places u, v (k,) of each element, and which of them lie in it (n, k)."""
     from scipy.ndimage import map_coordinates
 
-    cos = (np.cos(np.radians(poses.angles)) * poses.scales)[:, None]
-    sin = (np.sin(np.radians(poses.angles)) * poses.scales)[:, None]
-    column = poses.points[:, :1] + cos * u - sin * v
-    row = poses.points[:, 1:] + sin * u + cos * v
+    column, row = places_in(Elements(poses.points, poses.angles, poses.scales), u, v)
     values = [map_coordinates(channel, [row, column], order=1, mode="nearest") for channel in np.moveaxis(image, -1, 0)]
     inside = (row >= -0.5) & (row <= image.shape[0] - 0.5) & (column >= -0.5) & (column <= image.shape[1] - 0.5)
     return np.stack(values, axis=-1).astype(np.float64), inside.astype(np.float64)

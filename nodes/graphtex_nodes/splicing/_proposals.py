@@ -11,9 +11,9 @@ from graphtex_nodes.splicing._partitions import (
     LARGEST_SHARE,
     LEAST_COUNT,
     LEAST_SIDE,
+    Even,
     Parts,
     colour_channels,
-    even_and_small,
 )
 from graphtex_nodes.splicing._templates import Example
 
@@ -32,16 +32,15 @@ class Proposal:
     merit: float
 
 
-def proposals(image: Array, divided: list[Parts]) -> list[Proposal]:
+def proposals(even: Even, divided: list[Parts]) -> list[Proposal]:
     """Guesses from partitions and from blobs of a picture; the best first."""
     found = []
     for parts in divided:
         guess = from_parts(parts, parts.fits)
         if guess is not None:
             found.append(replace(guess, merit=guess.merit * parts.weight / divided[0].weight))
-    small, step = even_and_small(image)
-    for channel in colour_channels(small):
-        found += [Proposal(enlarged(example, step, image.shape), BLOB) for example in _blobs(channel)]
+    for channel in colour_channels(even.picture):
+        found += [Proposal(enlarged(example, even.step, even.size), BLOB) for example in _blobs(channel)]
     return sorted(found, key=lambda guess: -guess.merit)
 
 

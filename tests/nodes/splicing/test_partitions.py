@@ -7,7 +7,7 @@ from graphtex import QUIET, Context
 from graphtex_nodes import find_textons
 from graphtex_nodes.splicing._automatic import _alike
 from graphtex_nodes.splicing._detection import Search
-from graphtex_nodes.splicing._partitions import measured, partitions, split
+from graphtex_nodes.splicing._partitions import even_and_small, measured, partitions, split
 
 
 def stones(seed, side=160, step=22.0):
@@ -44,7 +44,8 @@ def test_stones_of_a_wall(seed):
     found = find_textons(image)
     assert found.confidence > 0.7
     assert agreement(found.points, labels) >= 0.95
-    alike = _alike(image, partitions(image), Search(image, 0.0, 1.0, 0.66, QUIET))
+    even = even_and_small(image)
+    alike = _alike(even, partitions(even), Search(image, 0.0, 1.0, 0.66, QUIET))
     assert agreement(alike.points, labels) < 0.9
 
 
