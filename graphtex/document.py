@@ -44,6 +44,8 @@ class Input:
         `REQUIRED`, a literal, or for socket types a path or ``scheme:name``.
     min, max, choices
         What a value may be; None means no bound.
+    open
+        Parameters of the node that opens a file for a socket type; what comes in another way has no use for them.
     """
 
     type: str
@@ -52,6 +54,7 @@ class Input:
     max: float | None = None
     choices: tuple[Any, ...] | None = None
     description: str = ""
+    open: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

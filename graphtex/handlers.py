@@ -1,7 +1,7 @@
 """What a pack registers for a socket type: its view (a picture), its writers (files) and its openers (nodes)."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
@@ -12,18 +12,19 @@ from pydantic import BaseModel
 
 from graphtex.errors import DeclarationError, did_you_mean, listing
 from graphtex.node import Node, require_plain_function
-from graphtex.parameters import parameters_model, shorten
+from graphtex.parameters import parameters_model, shorten, validate
 from graphtex.sockets import Gap, SocketType, ValueType, find_type
 
 F = TypeVar("F", bound=Callable[..., Any])
 View = Callable[[Any], NDArray[np.uint8]]
+Like = Callable[[Sequence[Path], str | None], tuple[str, dict[str, Any]]]
 
 
 @dataclass(frozen=True)
 class Writer:
     """Writes values of one type to files of some suffixes; `check` refuses options that a suffix does not go with.
 
-    With `folder` what it writes is a folder, in place of a file.
+    With `folder` what it writes is a folder, in place of a file. What `like` says is told at `writer`.
     """
 
     type_name: str
@@ -32,6 +33,7 @@ class Writer:
     options: type[BaseModel]
     check: Callable[..., None] | None = None
     folder: bool = False
+    like: Like | None = None
 
     def require(self, suffix: str, options: BaseModel) -> None:
         """Raise ValueError if files of a suffix cannot be written with these options, whatever the value."""
@@ -52,6 +54,11 @@ class Opener:
     suffixes: tuple[str, ...] = ()
     scheme: str = ""
     folder: bool = False
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Names of the parameters beside the path or the name."""
+        return tuple(key for key in self.node.parameters.model_fields if key != self.parameter)
 
 
 def fields(model: BaseModel) -> dict[str, Any]:
@@ -117,13 +124,16 @@ def writer(
     default: str | None = None,
     check: Callable[..., None] | None = None,
     folder: bool = False,
+    like: Like | None = None,
 ) -> Callable[[F], F]:
     """Decorate ``f(value, path, *, option=...)``: writes the type to files with these suffixes.
 
     Keyword-only arguments become keys of an output entry in a graph file. The caller passes a temporary path that
     ends in the right suffix and renames it; ValueError says what the format cannot hold. ``check(suffix, option=...)``
     says so of options alone: it is called when a graph is checked, before anything has run. With ``folder`` the path
-    is that of a folder which the writer makes.
+    is that of a folder which the writer makes. ``like(files, suffix)`` gives the suffix and the options that keep what
+    some files hold which were opened as the type: it is asked where a graph names no options, with the suffix that the
+    graph names, if any.
     """
     kind = _type_of(hint, "writer")
 
@@ -138,7 +148,7 @@ def writer(
             _refuse_second(f"a writer of {kind.name} as {suffix}", known.function if known else None, function)
         keywords = [p for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY]
         options = parameters_model(name, keywords, get_type_hints(function, include_extras=True))
-        entry = Writer(kind.name, ends, function, options, check, folder)
+        entry = Writer(kind.name, ends, function, options, check, folder, like)
         WRITERS.update({(kind.name, suffix): entry for suffix in ends})
         if default is not None:
             DEFAULT_SUFFIX[kind.name] = default
@@ -215,6 +225,22 @@ def suffixes_of(kind: SocketType) -> frozenset[str]:
     return frozenset(suffix for entry in OPENERS if entry.type_name == kind.name for suffix in entry.suffixes)
 
 
+def opening_faults(kind: SocketType, options: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what is wrong with options for opening files as a type: the option and a message."""
+    mine = [entry for entry in OPENERS if entry.type_name == kind.name and entry.suffixes]
+    known = sorted({option for entry in mine for option in entry.options})
+    faults = [
+        (key, f"nothing that opens a file as {kind.name} has {key!r}{did_you_mean(key, known, label='options')}")
+        for key in options.keys() - known
+    ]
+    for entry in mine:
+        own = {key: value for key, value in options.items() if key in entry.options}
+        faults += [
+            (str(path[0]), text) for path, text in validate(entry.node.parameters, own, unknown=[entry.parameter])[1]
+        ]
+    return sorted(set(faults))
+
+
 def is_value_file(path: Path) -> bool:
     """Return whether there is a file, or a folder that is opened as one value."""
     return path.is_file() or (names_folder(path) and path.is_dir())
@@ -232,6 +258,27 @@ def find_writer(kind: SocketType, suffix: str) -> Writer:
         known = sorted(end for name, end in WRITERS if name == kind.name)
         raise ValueError(f"{kind.name} cannot be written as {suffix!r}{did_you_mean(suffix, known, label='formats')}")
     return found
+
+
+def output_format(
+    kind: SocketType, suffix: str | None, options: Mapping[str, Any], files: Sequence[Path]
+) -> tuple[str, Mapping[str, Any]] | None:
+    """Return the suffix and the options to write a type with, None if no file holds it.
+
+    What a graph names stays; where it leaves something open the writer may follow the `files` of the same type that the
+    value was made from.
+    """
+    chosen = suffix or DEFAULT_SUFFIX.get(kind.name)
+    if chosen is None:
+        return None
+    like = find_writer(kind, chosen).like
+    followed, more = like(files, suffix) if like and files else (chosen, {})
+    return (chosen, options) if more.keys() & options.keys() else (followed, {**more, **options})
+
+
+def opened_files(kind: SocketType, node: Node[Any, Any], files: Sequence[Path]) -> Sequence[Path]:
+    """Return the files that a call of a node has opened as a type: none unless the node is an opener of it."""
+    return files if any(entry.type_name == kind.name and entry.node.name == node.name for entry in OPENERS) else ()
 
 
 def picture_of(kind: SocketType, value: Any) -> NDArray[np.uint8] | str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from graphtex.cache import EntryLost, file_digest
 from graphtex.errors import GraphtexError
-from graphtex.handlers import DEFAULT_SUFFIX, fields, find_writer
+from graphtex.handlers import fields, find_writer, output_format
 from graphtex.parameters import validate
 from graphtex.plan import PlannedOutput
 from graphtex.run import RunResult
@@ -44,9 +44,9 @@ def write_outputs(result: RunResult, folder: str | os.PathLike[str]) -> dict[str
     faults = []
     for name, output in result.plan.outputs.items():
         written[name] = []
-        for path, value in _files(output, result, Path(folder)):
+        for path, value, options in _files(output, result, Path(folder)):
             try:
-                written[name].append(write_value(output, value, path))
+                written[name].append(write_value(output, value, path, options))
             except OutputError as error:
                 faults.append(str(error))
     if faults:
@@ -54,19 +54,20 @@ def write_outputs(result: RunResult, folder: str | os.PathLike[str]) -> dict[str
     return written
 
 
-def _files(output: PlannedOutput, result: RunResult, folder: Path) -> Iterator[tuple[Path, Any]]:
-    """Yield each file that an output is written to, and what it is to hold."""
-    suffix = DEFAULT_SUFFIX.get(output.type.base.name)
-    if output.file is None and suffix is None:
+def _files(output: PlannedOutput, result: RunResult, folder: Path) -> Iterator[tuple[Path, Any, Mapping[str, Any]]]:
+    """Yield each file that an output is written to, what it is to hold, and the writer's options."""
+    suffix = Path(output.file).suffix if output.file else None
+    how = output_format(output.type.base, suffix, output.options, result.plan.sources(output))
+    if how is None:
         return
-    file = output.file or f"{output.name}{suffix}"
+    file = output.file or f"{output.name}{how[0]}"
     try:
         value = result[output.name]
     except EntryLost:  # only after a failure: a run that ends well holds its outputs
         return
     for name, item in _named(file, output.names, value) if isinstance(value, list) else [(file, value)]:
         if not isinstance(item, Gap):
-            yield folder / name, item
+            yield folder / name, item, how[1]
 
 
 def _named(file: str, names: Sequence[str], items: list[Any]) -> Iterator[tuple[str, Any]]:
@@ -80,14 +81,14 @@ def _named(file: str, names: Sequence[str], items: list[Any]) -> Iterator[tuple[
         yield f"{file.removesuffix(suffix)}-{index:0{digits}d}{suffix}", item
 
 
-def write_value(output: PlannedOutput, value: Any, path: Path) -> Path:
-    """Write one value to one file by way of a temporary one.
+def write_value(output: PlannedOutput, value: Any, path: Path, chosen: Mapping[str, Any]) -> Path:
+    """Write one value to one file, with the chosen options, by way of a temporary one.
 
     A folder that was there already and holds something else is kept beside the new one, as ``name.old``: people may
     have worked on it.
     """
     writer = find_writer(output.type.base, path.suffix)
-    options, problems = validate(writer.options, output.options)
+    options, problems = validate(writer.options, chosen)
     if options is None:
         raise OutputError(f"{output.name}: {problems[0][1]}")
     try:

@@ -14,6 +14,7 @@ import numpy as np
 
 from graphtex.document import Document
 from graphtex.errors import Problem
+from graphtex.handlers import opened_files
 from graphtex.node import Node
 from graphtex.sockets import ValueType
 
@@ -120,6 +121,13 @@ class Plan:
             (slot.task, task.id) for task in self.tasks.values() for slot in task.slots if slot not in self.given
         )
         return dag
+
+    def sources(self, output: PlannedOutput) -> tuple[Path, ...]:
+        """Return the files of an output's own type that it was made from."""
+        ends = {slot.task for slot in output.slots} & self.tasks.keys()
+        above = ends.union(*(nx.ancestors(self.dag, task) for task in ends))
+        made = (task for name, task in self.tasks.items() if name in above and task.files)
+        return tuple(file for task in made for file in opened_files(output.type.base, task.node, task.files))
 
     def only(self, outputs: Mapping[str, PlannedOutput]) -> "Plan":
         """Return the plan cut down to what some outputs need."""

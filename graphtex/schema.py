@@ -113,6 +113,7 @@ def _input() -> Schema:
         "min": {"type": "number", "description": "the least number allowed"},
         "max": {"type": "number", "description": "the greatest number allowed"},
         "choices": {"type": "array", "minItems": 1, "description": "the values allowed"},
+        "open": {"type": "object", "description": "parameters of the node that opens a file, such as LoadImage"},
         "description": {"type": "string", "description": "what the input is for"},
     }
     return {**_mapping(properties, ["type"], "a graph input"), "allOf": rules}

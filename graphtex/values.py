@@ -1,7 +1,9 @@
 """Values that come into a graph: arrays as they are given, paths and names by way of nodes that open them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from graphtex.document import Input
@@ -13,6 +15,7 @@ from graphtex.references import is_scalar
 from graphtex.sockets import ValueType, parse_type
 
 Bound = Slot | tuple[Slot, ...]
+NO_OPTIONS: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -47,17 +50,21 @@ class Values:
             return scalar(kind, value, base)
         wanted = parse_type(kind.type)
         if not wanted.many:
-            return self.open(task, wanted, value, base)
+            return self.open(task, wanted, value, base, kind.open)
         items = expand_paths(value, kind, base)
-        slots = tuple(self.open(f"{task}[{i}]", ValueType(wanted.base), item, base) for i, item in enumerate(items))
+        one = ValueType(wanted.base)
+        slots = tuple(self.open(f"{task}[{i}]", one, item, base, kind.open) for i, item in enumerate(items))
         self.names[task] = tuple(
             Path(find_opener(wanted.base, str(item))[1]).stem if isinstance(item, str | Path) else str(index)
             for index, item in enumerate(items)
         )
         return slots
 
-    def open(self, task: str, kind: ValueType, value: Any, base: Path) -> Slot:
-        """Return the slot of a given value, or of the node that opens a path or name; ValueError if nothing does."""
+    def open(self, task: str, kind: ValueType, value: Any, base: Path, options: Mapping[str, Any] = NO_OPTIONS) -> Slot:
+        """Return the slot of a given value, or of the node that opens a path or name; ValueError if nothing does.
+
+        The options are parameters of what opens files; those that it does not have, and a name's opener, are spared.
+        """
         if not isinstance(value, str | Path):
             slot = Slot(task, "value")
             try:
@@ -70,18 +77,19 @@ class Values:
             file = absolute(base, Path(text))
             require_file(file)
             text = str(file)
-        known = self._opened.get((opener.node.name, text))
-        if known is not None:
-            return known
-        parameters, faults = validate(opener.node.parameters, {opener.parameter: text})
+        chosen = {key: value for key, value in options.items() if opener.suffixes and key in opener.options}
+        parameters, faults = validate(opener.node.parameters, {**chosen, opener.parameter: text})
         if parameters is None:
             raise ValueError(faults[0][1])
+        call = opener.node.name, parameters.model_dump_json()
+        if call in self._opened:
+            return self._opened[call]
         # what is opened counts for the random stream, not which of several inputs came first
         words = stream_words(f"{opener.node.name}:{text}")
         plain, files = with_files(parameters, str), tuple(files_of(parameters))
         self.tasks[task] = Task(task, opener.node, {}, plain, files, seed=self.seed, spawn_key=words)
         slot = Slot(task, next(iter(opener.node.outputs)))
-        return self._opened.setdefault((opener.node.name, text), slot)
+        return self._opened.setdefault(call, slot)
 
     def _opener(self, kind: ValueType, text: str, base: Path) -> tuple[Opener, str]:
         try:

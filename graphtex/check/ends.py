@@ -6,12 +6,12 @@ from pathlib import PurePosixPath
 
 from graphtex.document import NAMED_AFTER, REQUIRED, Document, Input, Output, Place
 from graphtex.errors import GraphError, Problem, did_you_mean
-from graphtex.handlers import DEFAULT_SUFFIX, find_writer
+from graphtex.handlers import DEFAULT_SUFFIX, find_writer, opening_faults
 from graphtex.inputs import check_scalar, default_faults, is_list, split_type
 from graphtex.links import Links
 from graphtex.parameters import validate
 from graphtex.references import is_scalar, reference
-from graphtex.sockets import ValueType
+from graphtex.sockets import TYPES, ValueType
 
 
 def input_problems(graph: Document) -> list[Problem]:
@@ -30,6 +30,7 @@ def input_problems(graph: Document) -> list[Problem]:
             problems.append(graph.problem((*place, "min"), f"min {kind.min:g} is above max {kind.max:g}"))
         elif kind.default is not REQUIRED:
             problems += [graph.problem((*place, "default", *at), text) for at, text in default_faults(kind)]
+        problems += _opening_problems(graph, (*place, "open"), kind, inner)
     return problems
 
 
@@ -49,6 +50,15 @@ def _bound_problems(graph: Document, place: Place, kind: Input, inner: str) -> l
             except ValueError as error:
                 problems.append(graph.problem((*place, "choices", index), str(error)))
     return problems
+
+
+def _opening_problems(graph: Document, place: Place, kind: Input, inner: str) -> list[Problem]:
+    if not kind.open:
+        return []
+    if inner not in TYPES:
+        return [graph.problem(place, f"open is for what a file is opened as, not for {kind.type}", key=True)]
+    faults = opening_faults(TYPES[inner], kind.open)
+    return [graph.problem((*place, key), text, key=text.startswith("nothing")) for key, text in faults]
 
 
 def output_problems(links: Links) -> list[Problem]:

@@ -17,7 +17,7 @@ from graphtex.files.yamltree import Tree, described, parse
 from graphtex.node import RESERVED
 
 DOCUMENT = ("graphtex", "title", "source", "description", "seed", "inputs", "nodes", "outputs")
-INPUT = ("type", "default", "min", "max", "choices", "description")
+INPUT = ("type", "default", "min", "max", "choices", "description", "open")
 SECTIONS = {
     "inputs": "name: {type: Image}",
     "nodes": "name: {node: FeatureMask, image: $exemplar}",
@@ -159,9 +159,13 @@ class _Reader:
         if "choices" in value and (not isinstance(choices, list) or not choices):
             self.say((*path, "choices"), f"choices are a list with at least one item, got {described(choices)}")
             choices = None
+        opening = value.get("open", {})
+        if not isinstance(opening, dict):
+            self.say((*path, "open"), f"open is a mapping, `{{encoding: raw}}`, got {described(opening)}")
+            opening = {}
         text = self._text((*path, "description"), value, "description")
         allowed = None if choices is None else tuple(choices)
-        return Input(kind, value.get("default", REQUIRED), bounds["min"], bounds["max"], allowed, text)
+        return Input(kind, value.get("default", REQUIRED), bounds["min"], bounds["max"], allowed, text, opening)
 
     def _entry(self, path: Place, value: Any) -> Entry:
         if not isinstance(value, dict):

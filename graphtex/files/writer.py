@@ -66,6 +66,7 @@ def _input(kind: Input) -> dict[str, Any]:
     written |= {key: value for key, value in (("min", kind.min), ("max", kind.max)) if value is not None}
     if kind.choices is not None:
         written["choices"] = list(kind.choices)
+    written |= {"open": dict(kind.open)} if kind.open else {}
     return written | ({"description": kind.description} if kind.description else {})
 
 

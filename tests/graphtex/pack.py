@@ -48,9 +48,9 @@ def made(*, name: str) -> Image:
 
 @opener(Image, suffixes=(".tex",))
 @node
-def open_text(*, path: FilePath) -> Image:
+def open_text(*, path: FilePath, gain: Annotated[float, Field(gt=0)] = 1.0) -> Image:
     """Read a picture from numbers in a text file."""
-    return np.loadtxt(path, dtype=np.float32, ndmin=2)[:, :, None]
+    return np.loadtxt(path, dtype=np.float32, ndmin=2)[:, :, None] * np.float32(gain)
 
 
 @writer(Image, suffixes=(".tex",))

@@ -200,7 +200,7 @@ def test_a_sub_graph_unfolds_with_its_own_paths_and_the_outer_seed(inner):
     plan = bind(g)
     assert sorted(plan.tasks) == ["a/a", "a/grain", "b/$picture", "b/a", "b/grain", "one"]
     assert plan.tasks["a/grain"].inputs == {"image": Slot("one", "result")}
-    assert plan.tasks["b/$picture"].parameters == {"path": str(inner / "deep" / "in.tex")}
+    assert plan.tasks["b/$picture"].parameters == {"path": str(inner / "deep" / "in.tex"), "gain": 1.0}
     assert (plan.tasks["a/grain"].parameters["size"], plan.tasks["b/grain"].parameters["size"]) == (3, 4)
     assert {task.seed for task in plan.tasks.values()} == {5}
     assert plan.tasks["a/grain"].spawn_key != plan.tasks["b/grain"].spawn_key

@@ -157,6 +157,10 @@ INPUTS = {
     "single default for a list": ('{type: "list[int]", default: ‸5}', "expected a list of int, got 5"),
     "wrong item in a default": ('{type: "list[Image]", default: ["made:a", ‸5]}', "expected a path or scheme:name"),
     "choice of another type": ("{type: int, choices: [1, ‸two]}", "expected int, got 'two'"),
+    "unknown option of opening": ("{type: Image, open: {‸gian: 2}}", "nothing that opens a file as Image has 'gian'; did you mean 'gain'?"),
+    "option of opening out of range": ("{type: Image, open: {gain: ‸0}}", "greater than 0, got 0"),
+    "options of opening that are none": ("{type: Image, open: ‸raw}", "open is a mapping, `{encoding: raw}`, got the text 'raw'"),
+    "opening a number": ("{type: int, ‸open: {gain: 2}}", "open is for what a file is opened as, not for int"),
     "range of a picture": ("{type: Image, ‸min: 1}", "min is for numbers, not for Image"),
 }  # fmt: skip
 

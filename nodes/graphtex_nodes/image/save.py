@@ -29,6 +29,7 @@ from graphtex import (
 )
 from graphtex_nodes.image.files.colour import Encoding
 from graphtex_nodes.image.files.encode import encode, write_deep, write_tiff
+from graphtex_nodes.image.files.follow import format_like
 from graphtex_nodes.image.files.formats import WRITABLE, Depth, require_options
 from graphtex_nodes.image.files.labels import palette
 
@@ -46,13 +47,13 @@ def _only_png(suffix: str, *, depth: int | None = None) -> None:
         raise ValueError(f"depth is for .png, the other formats hold the data itself; got {depth}: leave it out")
 
 
-@writer(Image, suffixes=WRITABLE, default=".png", check=_check_image)
+@writer(Image, suffixes=WRITABLE, default=".png", check=_check_image, like=format_like)
 def save_image(
     value: NDArray[Any],
     path: Path,
     *,
     depth: Annotated[
-        Depth | None, Field(description="bits of a sample, or half or float; default by the format")
+        Depth | None, Field(description="bits of a sample, or half or float; default: as what it is made from")
     ] = None,
     quality: Annotated[int | None, Field(ge=1, le=100, description="of .jpg (default 95) and lossy .webp")] = None,
     encoding: Annotated[

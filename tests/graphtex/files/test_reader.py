@@ -15,7 +15,7 @@ description: |
   lines
 seed: 7
 inputs:
-  exemplar: {type: Image, default: "sample:pebbles", description: what to copy}
+  exemplar: {type: Image, default: "sample:pebbles", open: {alpha: drop}, description: what to copy}
   width: {type: int, default: 512, min: 1, max: 4096.5}
   method: {type: str, choices: [ridges, "no", no]}
 nodes:
@@ -43,7 +43,7 @@ def test_whole_file():
         description="Two\nlines\n",
         seed=7,
         inputs={
-            "exemplar": Input("Image", "sample:pebbles", description="what to copy"),
+            "exemplar": Input("Image", "sample:pebbles", description="what to copy", open={"alpha": "drop"}),
             "width": Input("int", 512, 1, 4096.5),
             "method": Input("str", REQUIRED, choices=("ridges", "no", "no")),
         },

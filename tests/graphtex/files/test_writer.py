@@ -24,7 +24,7 @@ description: |
   and an empty one.
 seed: 7
 inputs:
-  exemplar: {type: Image, default: "sample:pebbles"}
+  exemplar: {type: Image, default: "sample:pebbles", open: {encoding: raw}}
   width: {type: int, default: 512, min: 1, max: 4096}
   method: {type: str, default: "no", choices: ["no", ridges, "12:30", "1e3"]}
   pictures: {type: "list[Image]", default: []}
