@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from graphtex import Elements
 from graphtex_nodes.splicing._detection import Detection, Search
 from graphtex_nodes.splicing._nearness import common_offset
+from graphtex_nodes.splicing._packed import outline_fit, touching
 from graphtex_nodes.splicing._partitions import LARGEST_SHARE, LEAST_COUNT, Even, Parts, even_and_small, partitions
 from graphtex_nodes.splicing._peaks import score_floor
 from graphtex_nodes.splicing._poses import Poses
@@ -68,18 +69,23 @@ def choose(image: Array, search: Search) -> Choice | None:
 
 
 def _centred(choice: Choice, even: Even) -> Choice:
-    """The same with its elements' centres where colours change most at their outlines; pairs stay as they are."""
+    """The same with its elements' outlines where colours change most; pairs stay as they are."""
     if len(choice.examples) > 1:
         return choice
     step = even.step
     example, poses = choice.examples[0], choice.found.poses
     kept = _likely(poses, choice.floor)
     elements = Elements(kept.points / step, kept.angles, kept.scales)
-    offset = common_offset(even.picture, elements, example.width / step, example.height / step) * step
+    width, height = example.width / step, example.height / step
+    if touching(elements, width, height):
+        offset, width, height = outline_fit(even.picture, elements, width, height)
+    else:
+        offset = common_offset(even.picture, elements, width, height)
     last = np.array(even.size[::-1]) - 1
-    x, y = np.clip(np.array([example.x, example.y]) + offset, 0, last)
-    moved = replace(choice.found, poses=replace(poses, points=poses.points + offset))
-    return replace(choice, examples=[example.model_copy(update={"x": float(x), "y": float(y)})], found=moved)
+    x, y = np.clip(np.array([example.x, example.y]) + offset * step, 0, last)
+    outlined = Example(x=float(x), y=float(y), width=max(3.0, width * step), height=max(3.0, height * step))
+    moved = replace(choice.found, poses=replace(poses, points=poses.points + offset * step))
+    return replace(choice, examples=[outlined], found=moved)
 
 
 def _of_parts(parts: Parts, search: Search) -> Choice:
