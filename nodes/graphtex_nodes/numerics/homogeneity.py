@@ -24,6 +24,7 @@ MEMBERS = 3.0  # samples that a bin must have, for one to be compared with the o
 ROUNDS = 2
 NEAR_HORIZON = 0.02  # how much a plane's deviation counts more, the nearer its horizon comes to the picture
 STEEPEST = 0.95  # loss of scale from the middle to the far corner
+WORTH = 0.05  # of the deviation, that a plane saves which is more than chance
 TELLING = 0.02  # standard deviation of log scale between windows; less is rounding
 SHIFTS = np.linspace(-0.9, 0.9, 37)  # of log scale, tried for each window
 
@@ -86,6 +87,9 @@ def receding_plane(channels: Array, usable: Array | None, work: Work) -> Recessi
     simplex. Then spectra are taken once more, from windows that are rectangles on the plane just found: with square
     windows of the picture, which hold more texels where these are small, the plane comes out too flat. More turns would
     add up what each has of noise.
+
+    What varies at random lies on some plane too, though hardly better than on one seen head on. So the confidence is
+    the share of scale's variance that the plane explains (see `_explained`), less where it saves little deviation.
     """
     from scipy.optimize import minimize
 
@@ -128,7 +132,9 @@ def receding_plane(channels: Array, usable: Array | None, work: Work) -> Recessi
     plane = plane_of(best)
     if spectra is None or plane is None:
         return None
-    return Recession(float(best[0] / reach), float(best[1] / reach), _explained(spectra, plane))
+    saved = 1 - cost(best) / cost(np.zeros(2))
+    confidence = _explained(spectra, plane) * min(max(saved / WORTH, 0), 1)
+    return Recession(float(best[0] / reach), float(best[1] / reach), confidence)
 
 
 def _starts() -> list[Array]:

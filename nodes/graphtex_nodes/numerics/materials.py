@@ -28,6 +28,13 @@ def require_channels(kinds: Sequence[MapKind], count: int) -> None:
         raise ValueError(f"kinds: {' + '.join(kinds)} are {total_channels(kinds)} channels, the picture has {count}")
 
 
+def require_stack(name: str, stack: Array, kinds: Sequence[MapKind], warn: Callable[[str], None]) -> None:
+    """Raise ValueError unless kinds, if there are some, fit a stack; warn of normals that seem to be none."""
+    if kinds:
+        require_channels(kinds, stack.shape[-1])
+        doubt_normals(name, stack, kinds, warn)
+
+
 def doubt_normals(name: str, stack: Array, kinds: Sequence[MapKind], warn: Callable[[str], None]) -> None:
     """Warn of maps of normals in a stack (h, w, c) that are colour, say.
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from graphtex_nodes.numerics import guidance
 from graphtex_nodes.numerics.atlas import Atlas, original
-from graphtex_nodes.numerics.materials import MapKind, doubt_normals, map_slices, require_channels
+from graphtex_nodes.numerics.materials import MapKind, map_slices
 from graphtex_nodes.numerics.parallel import Work
 from graphtex_nodes.numerics.problem import Array, Flags, Problem
 
@@ -95,22 +95,14 @@ def _name(kind: str, number: int) -> str:
     return {"scale": "exemplar_scale", "angle": "exemplar_angle"}.get(kind, kind)
 
 
-def channel_weights(
-    weights: Sequence[float], kinds: Sequence[MapKind], exemplar: Array, work: Work
-) -> tuple[float, ...]:
+def channel_weights(weights: Sequence[float], kinds: Sequence[MapKind], channels: int) -> tuple[float, ...]:
     """How much differences in each channel count, from weights of maps (with kinds) or of channels; none = all alike.
-
-    Warns if what are to be normals are none.
 
     Raises
     ------
     ValueError
         If numbers disagree, or all weights are 0.
     """
-    channels = exemplar.shape[2]
-    if kinds:
-        require_channels(kinds, channels)
-        doubt_normals("exemplar", exemplar, kinds, work.warn)
     if not weights:
         return ()
     expected = len(kinds) or channels

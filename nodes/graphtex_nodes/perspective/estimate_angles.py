@@ -67,8 +67,9 @@ def estimate_angles(
     tilt
         Direction in which texels shrink, degrees clockwise from up, in [-180, 180].
     confidence
-        From 0 to 1: the share of the variance of log scale that the plane explains. Low where nothing varies, as face
-        on, or where what varies is no plane; with less than 0.3 there is a warning.
+        From 0 to 1: the share of the variance of log scale that the plane explains, and of a picture less where its
+        spectra agree almost as well face on. Low where nothing varies, as face on, or where what varies is no plane;
+        with less than 0.3 there is a warning.
 
     Raises
     ------
@@ -78,7 +79,10 @@ def estimate_angles(
     Notes
     -----
     On rendered planes of slant 30 to 60 (pebbles, bricks, pavers, flowers, cloth, 256 x 256 pixels, field of view 45)
-    five of six are within 5 degrees of slant and 10 of tilt. The smaller the slant, the less sure is the tilt.
+    five of six are within 5 degrees of slant and 10 of tilt. The smaller the slant, the less sure is the tilt. Of forty
+    photographs, and planes rendered with photographed textures, none whose confidence reached 0.3 had a tilt that was
+    off by more than 15 degrees; of those below, half had. What misleads it with confidence is contrast that fades
+    evenly over a picture of few elements.
 
     Examples
     --------

@@ -155,8 +155,7 @@ def optimize(
         take longer. Target scales at opposite sides should be alike.
     mirror, resample
         A larger stock of windows: the exemplar's mirror image, and copies of it resampled by factors of 2 ** (1/3) up
-        to ``resample``, of which the parts are used whose scale is wanted and that the exemplar has few elements of, or
-        none.
+        to ``resample``, of which the parts are used whose scale is wanted and that the exemplar has few elements of.
         ``source`` tells both; its rows and columns may then lie between pixels. ``resample=1.3`` makes near rows repeat
         visibly less; larger ones bring the foreshortening of other distances. A picture and its mirror image join
         without a seam, so ``mirror`` may leave symmetric places.
@@ -207,13 +206,14 @@ def optimize(
     announce(ctx, "window_kernels", "search_kernels", "vote_kernels", "cut_kernels", "seam_kernels")
     from graphtex_nodes.numerics import atlas, request, seams, sources
     from graphtex_nodes.numerics import levels as plans
-    from graphtex_nodes.numerics.materials import renormalised
+    from graphtex_nodes.numerics.materials import renormalised, require_stack
     from graphtex_nodes.numerics.parallel import aside
     from graphtex_nodes.numerics.problem import Settings
     from graphtex_nodes.numerics.synthesis import synthesise
 
     size = _size(start, target_angle if target_scale is None else target_scale, exemplar, height, width)
-    weights = request.channel_weights(map_weights, kinds, exemplar, ctx)
+    require_stack("exemplar", exemplar, kinds, ctx.warn)
+    weights = request.channel_weights(map_weights, kinds, exemplar.shape[2])
     turned = angle_weight > 0 and (target_angle is not None or exemplar_angle is not None)
     if turned and target_angle is None:
         raise ValueError("target_angle: expected a map beside exemplar_angle (or angle_weight=0), got none")

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from graphtex import QUIET, Axes, Context, Image, Mask, SourceMap, node
 from graphtex_nodes.numerics import seam_neighbours
-from graphtex_nodes.numerics.materials import MapKind, doubt_normals, renormalised, require_channels
+from graphtex_nodes.numerics.materials import MapKind, renormalised, require_stack
 from graphtex_nodes.numerics.sources import Look, continued
 
 Array = NDArray[Any]
@@ -74,10 +74,8 @@ def replay(
     """
     _require_maps(source, maps, factor)
     channels = maps[0].shape[2]
-    if kinds:
-        require_channels(kinds, channels)
-        for number, picture in enumerate(maps):
-            doubt_normals(f"maps[{number}]", picture, kinds, ctx.warn)
+    for number, picture in enumerate(maps):
+        require_stack(f"maps[{number}]", picture, kinds, ctx.warn)
     looks = [Look(picture, kinds) for picture in maps]
     height, width = (max(1, round(side * factor)) for side in source.shape[:2])
     result = np.empty((height, width, channels), np.float32)

@@ -9,6 +9,7 @@ from scipy.ndimage import map_coordinates
 from graphtex_nodes.image.exemplars.bricks import bricks
 from graphtex_nodes.image.exemplars.flowers import flowers
 from graphtex_nodes.image.exemplars.pebbles import pebbles
+from graphtex_nodes.image.exemplars.sample import sample
 from graphtex_nodes.perspective.estimate_angles import estimate_angles
 from graphtex_nodes.perspective.feature_mask import feature_mask
 from graphtex_nodes.perspective.feature_scale import feature_scale
@@ -146,3 +147,11 @@ def test_refuses():
     some[:20, :20] = True
     with pytest.raises(ValueError, match="usable: expected room for at least 6 windows of 16 pixels a side, got 400"):
         estimate_angles(np.random.default_rng(1).random((64, 64, 1), np.float32), usable=some)
+
+
+@pytest.mark.parametrize("name", ["brick", "gravel"])
+def test_what_varies_by_chance_is_no_plane(name):
+    """A corner of a photograph seen head on: some plane fits it, but hardly better than none does."""
+    corner = np.ascontiguousarray(sample(name=name)[:200, 250:410])
+    with pytest.warns(UserWarning, match="explains only"):
+        assert estimate_angles(corner).confidence < 0.12
