@@ -32,7 +32,8 @@ from graphtex_nodes.splicing.tags import Tag
 Array = NDArray[Any]
 
 SIDE = 192  # pixels of the longer side, as of entries that splicing/database makes
-CUT, FAITHFUL, MADE_UP, EMPTY, UNLIKE = 0.1, 0.85, 0.3, 0.1, 1.25
+WINDOW = 256  # pixels of a splice's sides: of the largest elements some twenty show
+CUT, FAITHFUL, MADE_UP, EMPTY, UNLIKE, BENT = 0.1, 0.85, 0.3, 0.1, 1.25, 0.35
 LEAST = 8  # of twelve pairs that should be sound
 
 
@@ -65,7 +66,7 @@ def element(x: float, y: float, width: float, height: float) -> Example:
 PHOTOGRAPHS = {
     "coins": Photograph("elements-coins.png"),
     "dots": Photograph("elements-dots.png"),
-    "flagstones": Photograph("elements-flagstones.jpg", None, element(97, 66, 56, 40), 2.0, "B=c"),
+    "flagstones": Photograph("elements-flagstones.jpg"),
     "hexpaving": Photograph("regular-hexpaving.jpg"),
     "brickpavement": Photograph("regular-brickpavement.jpg", (0, 0, 384, 384)),
     "herringbone": Photograph("regular-herringbone.jpg", (0, 0, 256, 256), element(64, 96, 32, 24)),
@@ -99,14 +100,18 @@ class Outcome(NamedTuple):
     holes: float
     empty: float
     unlike: float
+    bent: float
+    slope: float
     image: Array
 
     @property
     def sound(self) -> bool:
-        """Whether nothing is known to be wrong: elements that may be deformed are judged by their patches alone."""
+        """Whether nothing is known to be wrong: what may be deformed should not be bent out of its likeness."""
         if self.doubtful or self.holes > MADE_UP or self.empty > EMPTY:
             return False
-        return self.unlike <= UNLIKE if self.tag == "B=c" else self.cut <= CUT and self.fidelity >= FAITHFUL
+        if self.tag == "B=c":
+            return self.unlike <= UNLIKE and self.bent <= BENT
+        return self.cut <= CUT and self.fidelity >= FAITHFUL
 
 
 def figures(pictures: Path | None, textures: Path | None = None) -> Iterator[Figure]:
@@ -127,7 +132,7 @@ def figures(pictures: Path | None, textures: Path | None = None) -> Iterator[Fig
             if (own := entries[pair[0]]) is not None and (goal := entries[pair[1]]) is not None
         }
         for (one, other), outcome in outcomes.items():
-            for measure in ("cut", "fidelity", "holes", "empty", "unlike"):
+            for measure in ("cut", "fidelity", "holes", "empty", "unlike", "bent", "slope"):
                 yield Figure(f"{one} as {other}, {mode}: {measure}", getattr(outcome, measure))
         sound = sum(outcome.sound for outcome in outcomes.values())
         yield Figure(f"{mode}: sound pairs of {len(PAIRS)}", sound, f">= {LEAST}" if given else "")
@@ -149,13 +154,13 @@ def entry(name: str, image: Array, given: bool) -> tuple[PreparedTexture, bool] 
     except ValueError as refusal:
         print(f"{name}: {refusal}", file=sys.stderr)
         return None
-    return prepare_texture(texture, width=image.shape[1], height=image.shape[0]), bool(told) and not given
+    return prepare_texture(texture, width=WINDOW, height=WINDOW), bool(told) and not given
 
 
 def spliced(one: PreparedTexture, other: PreparedTexture, doubtful: bool) -> Outcome:
     """Splice a pair and judge it."""
-    moves, drawn, refined = splice(one, other.texture)
-    verdict = judge_splice(one.extension, moves, refined.mask, refined.source, drawn.holes)
+    moves, warp, drawn, refined = splice(one, other.texture)
+    verdict = judge_splice(one.extension, moves, refined.mask, refined.source, drawn.holes, warp)
     wanted = align_distributions(one.extension, other.texture).target.points
     image = one.texture.image
     middle = image.shape[1] // 2
@@ -163,7 +168,7 @@ def spliced(one: PreparedTexture, other: PreparedTexture, doubtful: bool) -> Out
         one.texture.tag, doubtful, verdict.cut, verdict.fidelity, verdict.holes,
         1 - float(np.count_nonzero(moves.matched)) / len(wanted),
         patch_distance(refined.image, image) / patch_distance(image[:, :middle], image[:, middle:]),
-        refined.image,
+        verdict.bent, verdict.slope, refined.image,
     )  # fmt: skip
 
 

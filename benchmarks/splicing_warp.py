@@ -129,12 +129,13 @@ def _bed_joints(extension: Extension, warp: Array) -> tuple[float, float]:
     return float(np.mean(widths)), float(np.mean(slopes))
 
 
-def splice(entry: PreparedTexture, arrangement: Texture) -> tuple[Any, Any, Any]:
-    """What was moved, drawn and refined."""
+def splice(entry: PreparedTexture, arrangement: Texture) -> tuple[Any, Any, Any, Any]:
+    """What was moved, warped, drawn and refined."""
     target = align_distributions(entry.extension, arrangement).target
     moves = hungarian(entry.extension, target).moves
-    drawn = rasterize(entry.extension, moves, rigid_warp(entry.extension, moves, entry.factor_x, entry.factor_y))
-    return moves, drawn, refine(entry.texture, entry.sets, *drawn)
+    warp = rigid_warp(entry.extension, moves, entry.factor_x, entry.factor_y)
+    drawn = rasterize(entry.extension, moves, warp)
+    return moves, warp, drawn, refine(entry.texture, entry.sets, *drawn)
 
 
 def _pairs(pictures: Path | None) -> Iterator[Figure]:
@@ -145,7 +146,7 @@ def _pairs(pictures: Path | None) -> Iterator[Figure]:
     for name, entry in zip(SAMPLES, entries, strict=True):
         results.append(entry.texture.image)
         for other in entries:
-            moves, drawn, refined = splice(entry, other.texture)
+            moves, _, drawn, refined = splice(entry, other.texture)
             results.append(refined.image)
             if other is not entry:
                 verdict = judge_splice(entry.extension, moves, refined.mask, refined.source, drawn.holes)

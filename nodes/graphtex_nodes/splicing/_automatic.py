@@ -21,7 +21,6 @@ Array = NDArray[Any]
 TRIED = 7  # proposals
 OTHER = 0.25  # share of the parts that must have been missed for them to be a second kind
 GAIN = 1.1  # by which a second kind must explain more
-MISSED = 0.1  # share of the parts up to which what looks alike may miss some and yet mean the same
 VARIED = 0.2  # deviation of logarithms of areas from which parts are not all alike
 SPECK = 0.1  # of the typical area: smaller parts are no elements
 CUT_OFF = 0.5  # of it: smaller parts at the border are not counted, their centres are too uncertain
@@ -62,7 +61,7 @@ def choose(image: Array, search: Search) -> Choice | None:
     parts = _of_parts(divided[0], search)
     if alike is None:
         return parts
-    same = _missed(alike, divided[0]).sum() <= MISSED * divided[0].fits.sum()
+    same = not _missed(alike, divided[0]).any()
     if same and (search.growth > 1 or len(alike.examples) > 1 or divided[0].spread <= VARIED):
         return replace(alike, confidence=max(alike.confidence, parts.confidence))
     return alike if alike.confidence >= parts.confidence else parts

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from graphtex import Context, Elements
 from graphtex_nodes.numerics.illumination import WHOLE, without_trend
 from graphtex_nodes.splicing._colours import (
-    DARK,
     least_cut,
     mixture_cost,
     nearest_cost,
@@ -17,6 +16,7 @@ from graphtex_nodes.splicing._colours import (
     told_by_hue,
     typical_of,
 )
+from graphtex_nodes.splicing._joints import Joints, along_joints, joints_around
 from graphtex_nodes.splicing._nearness import distances, places_in
 from graphtex_nodes.splicing._partitions import without_small_holes
 
@@ -29,7 +29,9 @@ CAP = 8.0  # of -log p: no pixel is surer than that
 HARD = 1e6
 SPECK = 0.02  # of an element's area: smaller parts and holes are mistakes
 RARE = 0.15  # share of a background colour among elements, over its share outside
-LOST = 0.25  # share of elements that may come out as background before joints are tried
+LOST = 0.25  # share of elements that may come out as background
+PACKED = 0.5  # share of the picture in elements from which there may be joints between them
+EATEN, LESS = 0.1, 0.5  # share of elements' insides from which joints are tried, and what they must bring it down to
 MOST = 0.25  # of an element's inside must be foreground: rings are elements too
 ROUNDS = 3  # of learning colours from the last cut
 
@@ -44,7 +46,7 @@ class Cutter:
             colours, clusters, sigma, smoothness, trend,
         )  # fmt: skip
         self.samples: list[Array] = []
-        self.by_joints = False
+        self.joints: Joints | None = None
 
     def evened(self, image: Array, shape: tuple[int, ...] | None = None, window: tuple[slice, slice] = WHOLE) -> Array:
         """A picture, or a window of one of that shape, without the trend of light."""
@@ -66,20 +68,21 @@ class Cutter:
     ) -> Array:
         """The mask (h, w) that costs least, with colours learned anew from it."""
         picture = self.evened(image)
-        mask = self._cut(
-            picture, self._features(picture.reshape(-1, picture.shape[2])), known, elements, width, height, ctx
-        )
+        mask = self._cut(picture, known, elements, width, height, ctx)
+        eaten = eaten_share(mask, elements, width, height)
+        if (
+            self.colours == "mixture"
+            and elements is not None
+            and eaten > EATEN
+            and _packed(known, elements, width, height)
+        ):
+            found = joints_around(picture, elements.points, min(width, height))
+            if found is not None:
+                by_joints = along_joints(found, picture, known, self.smoothness_of, ctx)
+                by_joints = _cleaned(by_joints, SPECK * width * height, known)
+                if eaten_share(by_joints, elements, width, height) < LESS * eaten and not by_joints.all():
+                    mask, self.joints = by_joints, found
         lost = lost_share(mask, elements, width, height)
-        if self.colours == "mixture" and lost > LOST:
-            colour_samples = self.samples
-            depths = joint_depths(picture, min(width, height))
-            by_joints = self._cut(picture, depths, known, elements, width, height, ctx)
-            less = lost_share(by_joints, elements, width, height)
-            self.by_joints = less < lost and not by_joints.all()
-            if self.by_joints:
-                mask, lost = by_joints, less
-            else:
-                self.samples = colour_samples
         if not mask.any() or mask.all():
             raise ValueError(
                 f"image: expected colours that tell elements from what is between them, got "
@@ -103,10 +106,10 @@ class Cutter:
         return costs
 
     def _cut(
-        self, picture: Array, features: Array, known: Array, elements: Elements | None, width: float, height: float,
-        ctx: Context,
-    ) -> Array:  # fmt: skip
-        """The mask that costs least by some features (h w, k) of the pixels."""
+        self, picture: Array, known: Array, elements: Elements | None, width: float, height: float, ctx: Context
+    ) -> Array:
+        """The mask that costs least by colours."""
+        features = self._features(picture.reshape(-1, picture.shape[2]))
         seeds = _seeds(known, elements, width, height, features)
         ctx.check()
         right, down = self.smoothness_of(picture)
@@ -127,29 +130,32 @@ class Cutter:
 
 def lost_share(mask: Array, elements: Elements | None, width: float, height: float) -> float:
     """Share of the elements most of whose inside is background; 0 without elements."""
+    ours, seen = _insides(mask, elements, width, height)
+    return float((ours.sum(axis=1) < MOST * seen.sum(axis=1)).mean()) if len(ours) else 0.0
+
+
+def eaten_share(mask: Array, elements: Elements | None, width: float, height: float) -> float:
+    """Share of the elements' insides that is background; 0 without elements."""
+    ours, seen = _insides(mask, elements, width, height)
+    return float(1 - ours.sum() / seen.sum()) if seen.any() else 0.0
+
+
+def _packed(known: Array, elements: Elements, width: float, height: float) -> bool:
+    """Whether elements leave little room: only then is what lies between them joints."""
+    return float((distances(known.shape, elements, width, height)[0] < 1).mean()) > PACKED
+
+
+def _insides(mask: Array, elements: Elements | None, width: float, height: float) -> tuple[Array, Array]:
+    """Whether places in each element are in the mask, and whether in the picture, (n, k); (0, 0) without elements."""
     if elements is None or not len(elements.points):
-        return 0.0
+        return np.zeros((0, 0), bool), np.zeros((0, 0), bool)
     line = np.linspace(-CORE, CORE, 9)
     u, v = (grid.ravel() for grid in np.meshgrid(line, line))
     inside = u * u + v * v <= CORE * CORE
     u, v = u[inside] * width / 2, v[inside] * height / 2
     column, row = (np.rint(places).astype(np.int64) for places in places_in(elements, u, v))
     seen = (row >= 0) & (row < mask.shape[0]) & (column >= 0) & (column < mask.shape[1])
-    ours = mask[row.clip(0, mask.shape[0] - 1), column.clip(0, mask.shape[1] - 1)] & seen
-    return float((ours.sum(axis=1) < MOST * seen.sum(axis=1)).mean())
-
-
-def joint_depths(image: Array, size: float) -> Array:
-    """How much darker and how much brighter than what is on both sides of them pixels are, (h w, 2), in logarithms.
-
-    Joints between elements of some size may be of the colours of some of the elements.
-    """
-    from scipy.ndimage import gaussian_filter, grey_closing
-
-    side = 2 * max(2, round(size / 8)) + 1
-    light = gaussian_filter(np.log(np.maximum(image.mean(axis=2), 0) + DARK), 0.5)
-    depths = [grey_closing(signed, (side, side)) - signed for signed in (light, -light)]
-    return np.stack(depths, axis=-1).reshape(-1, 2)
+    return mask[row.clip(0, mask.shape[0] - 1), column.clip(0, mask.shape[1] - 1)] & seen, seen
 
 
 def _seeds(known: Array, elements: Elements | None, width: float, height: float, pixels: Array) -> Array:

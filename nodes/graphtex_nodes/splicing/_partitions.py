@@ -1,4 +1,4 @@
-"""A picture in parts: its elements, if it has such that stand apart."""
+"""A picture in parts: its elements, if it has such that stand apart or only joints between them."""
 
 import itertools
 from collections.abc import Iterator
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.illumination import evenly_lit, log_brightness
 from graphtex_nodes.numerics.windows import leading_directions
+from graphtex_nodes.splicing._joints import REACH, divisions, joint_depths
 from graphtex_nodes.splicing._unlit import is_colourful, light_shares
 
 Array = NDArray[Any]
@@ -23,6 +24,7 @@ PINHOLE = 12  # reduced pixels
 NECK = 0.75  # two parts have grown together where they are narrower than this share of the narrower one
 RIM = 1.0  # reduced pixels: joints are taken half a pixel too wide on each side
 CHANCE, CLEAR = 0.5, 0.75  # share of the variance between two sides: noise has 0.64, two colours have 1
+BLURRED, SHARP = 0.45, 0.65  # the same of the borders of what joints part, between those kept and joined: noise has 0.5
 MORE = 0.25  # of the parts on the ground of as many others are another kind
 HARDLY_WORSE = 0.7  # times the merit
 SMALLER = 0.25  # of the others' area: smaller ones are chips
@@ -99,6 +101,7 @@ class Parts:
 def partitions(even: Even) -> list[Parts]:
     """A picture's partitions, the best first."""
     found = [measured(split(mask), contrast, even.step, even.size, rim) for mask, contrast, rim in solids(even.picture)]
+    found += [measured(labels, contrast, even.step, even.size, RIM) for labels, contrast in packed(even.picture)]
     ordered = sorted((parts for parts in found if parts is not None), key=lambda parts: -parts.weight)
     # a colour may tell one kind of element only
     whole = next((parts for parts in ordered[1:] if parts.hold(ordered[0])), None)
@@ -129,6 +132,17 @@ def solids(image: Array) -> Iterator[tuple[Array, float, float]]:
         for above, contrast in _halves(gaussian_filter(channel, 0.7)):
             for half in (above, ~above):
                 yield binary_fill_holes(binary_opening(half)), contrast, 0.0
+
+
+def packed(image: Array) -> Iterator[tuple[Array, float]]:
+    """Labels (h, w) of what dark or bright joints part, 0 on these, and how clear they are, 0 to 1."""
+    from scipy.ndimage import gaussian_filter
+
+    light = gaussian_filter(log_brightness(image), 0.7)
+    for signed in (light, -light):
+        for labels, clearness in divisions(joint_depths(signed, REACH)):
+            if clearness > BLURRED:
+                yield labels, min(1.0, (clearness - BLURRED) / (SHARP - BLURRED))
 
 
 def _halves(values: Array) -> Iterator[tuple[Array, float]]:

@@ -37,6 +37,14 @@ def spacing(points: Array, size: tuple[int, int] | None, neighbours: int) -> flo
     return float(distances.mean())
 
 
+def distances(points: Array) -> Array:
+    """Distance of each point to the nearest other one, (n,)."""
+    from scipy.spatial import cKDTree
+
+    found: Array = np.asarray(cKDTree(points).query(points, k=[2])[0])[:, 0]
+    return found
+
+
 def orientations(points: Array, unit: float) -> Array:
     """Angles (degrees, clockwise, in [0, 180)) of the pattern's rows, strongest first; empty if it has none.
 

@@ -13,6 +13,12 @@ Array = NDArray[Any]
 
 GAIN = 0.1
 """Share of the cost that a turn must save: between unlike lattices all angles are about as bad."""
+CLOSE = 0.4
+"""Share of the places that may be nearer to the next one than elements are wide."""
+TOUCH = 0.95
+"""Distance of elements, over their diameter, at which they touch: they are not quite round."""
+FARTHEST = 1.4
+"""What places are spread by at most."""
 
 
 class Alignment(NamedTuple):
@@ -32,6 +38,9 @@ def align_distributions(
     orientation: Annotated[
         Literal["radon", "kept"], Field(description="turn the arrangement as the elements', or keep it")
     ] = "radon",
+    spread: Annotated[
+        float | None, Field(ge=0.25, le=4, description="distance of places over that of the elements' own; see below")
+    ] = None,
     ctx: Context = QUIET,
 ) -> Alignment:
     """Lay the textons of one texture over the window of another, as dense and turned as that one's own.
@@ -50,6 +59,9 @@ def align_distributions(
         periods that it has itself, otherwise by the sides of its picture.
     neighbours
         The paper has 4 to 6.
+    spread
+        The paper's is 1. By default places are up to 1.4 times farther apart where disjoint elements (F=d) would lie on
+        each other: until no more than two fifths of them are nearer to the next one than elements are wide.
 
     Returns
     -------
@@ -84,6 +96,9 @@ def align_distributions(
         name = "elements" if wanted == 0 else "arrangement"
         raise ValueError(f"{name}: expected textons at different places, got distance 0 between neighbours")
     scale = wanted / own
+    if spread is None:
+        spread = _room(elements, scale * _pattern.distances(arrangement.points)) if elements.tag == "F=d" else 1.0
+    scale *= spread
     turns = [0.0]
     if orientation == "radon":
         turns += _turns(elements, arrangement, wanted, own)
@@ -97,6 +112,18 @@ def align_distributions(
     _, places, turn = min(tried, key=lambda entry: entry[0])
     count = len(places)
     return Alignment(Elements(places, np.zeros(count), np.ones(count)), scale, turn)
+
+
+def _room(elements: Extension, distances: Array) -> float:
+    """By how much places must be spread so that disjoint elements do not lie on each other.
+
+    The distances (n,) are those of places to the nearest other one.
+    """
+    sizes = np.bincount(elements.labels[elements.labels >= 0])
+    if not sizes.any():
+        return 1.0
+    width = 2 * float(np.sqrt(np.median(sizes[sizes > 0]) / np.pi))
+    return float(np.clip(TOUCH * width / max(float(np.quantile(distances, CLOSE)), 1e-9), 1, FARTHEST))
 
 
 def _turns(elements: Extension, arrangement: Texture, wanted: float, own: float) -> list[float]:

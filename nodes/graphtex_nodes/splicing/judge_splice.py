@@ -5,7 +5,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex import Axes, Mask, Number, SourceMap, node
+from graphtex import Axes, Displacement, Mask, Number, SourceMap, node
 from graphtex_nodes.splicing.rigid_warp import moved
 from graphtex_nodes.splicing.values import Extension, Moves
 
@@ -15,15 +15,21 @@ SHOWN = 0.85
 """An element is cut if less of it shows than this share."""
 NEAR = 1.5
 """A pixel shows its element if its source is within so many pixels of the one expected."""
+BENT = 1.5
+"""An element is bent if it is so many times longer against its width than it was."""
+LEAST = 9
+"""Pixels of an element that are needed to tell how it is bent."""
 
 
 class Verdict(NamedTuple):
-    """Shares from 0 to 1; see `JudgeSplice`."""
+    """Shares from 0 to 1, and a slope; see `JudgeSplice`."""
 
     cut: Number
     fidelity: Number
     holes: Number
     stretched: Number
+    bent: Number
+    slope: Number
 
 
 @node
@@ -33,8 +39,9 @@ def judge_splice(
     mask: Annotated[Mask, Axes("h w")],
     source: Annotated[SourceMap, Axes("h w s")],
     holes: Annotated[Mask, Axes("h w")],
+    warp: Displacement | None = None,
 ) -> Verdict:
-    """Count what goes wrong in splices: elements cut or covered, foreground that is not where it should be, holes.
+    """Count what goes wrong in splices: elements cut, covered or bent, foreground that is elsewhere, holes.
 
     Parameters
     ----------
@@ -44,6 +51,8 @@ def judge_splice(
         The spliced foreground and sources, from `Refine`.
     holes
         Pixels that the warp left empty, from `Rasterize`.
+    warp
+        From `RigidWarp`; without it nothing can be told of `bent` and `slope`, which are 0 then.
 
     Returns
     -------
@@ -56,8 +65,15 @@ def judge_splice(
         Share of pixels that had to be made up.
     stretched
         Share of the pixels expected in the foreground that show something else, or their element distorted.
+    bent
+        Share of the elements in the window that the warp makes longer against their width by half or more: the ratio of
+        the singular values of the affine map that is nearest to it over the element, by least squares.
+    slope
+        How far what lies between elements in the window, such as joints, turns: the mean of the absolute change of one
+        component of the displacement along the other, the larger of the two. 0.1 is about 6 degrees.
 
-    For the tag B=c, whose elements may be deformed, ``cut`` and ``stretched`` only tell how much they are.
+    For the tag B=c, whose elements may be deformed, ``cut`` and ``stretched`` only tell how much they are; there
+    ``bent`` and ``slope`` count, which are near 0 for the other tags.
 
     Raises
     ------
@@ -90,4 +106,40 @@ def judge_splice(
         both / either if either else 1.0,
         float(holes.mean()),
         float(1 - shown.mean()) if len(shown) else 0.0,
+        *((0.0, 0.0) if warp is None else (_bent(elements, moves, warp), _slope(elements, warp))),
     )
+
+
+def _bent(elements: Extension, moves: Moves, warp: Array) -> float:
+    """Share of the elements that lie in the window, by their centre, and are bent."""
+    rows, columns = np.nonzero(elements.labels >= 0)
+    index, count = elements.labels[rows, columns], len(moves.points)
+    places = np.stack([columns, rows]) + warp[rows, columns].T
+    size = np.bincount(index, minlength=count)
+
+    def means(values: Array) -> Array:
+        result: Array = np.bincount(index, values, count) / np.maximum(size, 1)
+        return result
+
+    apart = [values - means(values)[index] for values in (columns, rows, *places)]
+    own = np.array([[means(apart[i] * apart[j]) for i in (0, 1)] for j in (0, 1)]).transpose(2, 0, 1)
+    both = np.array([[means(apart[i] * apart[j]) for i in (0, 1)] for j in (2, 3)]).transpose(2, 0, 1)
+    place = moves.targets - (elements.left, elements.top)
+    seen = ((place >= 0) & (place < (elements.width, elements.height))).all(axis=1)
+    seen &= (moves.matched > 0) & (size >= LEAST) & (np.linalg.det(own) > 1e-6)
+    if not seen.any():
+        return 0.0
+    # the product of the affine map and own is both
+    larger, smaller = np.linalg.svd(both[seen] @ np.linalg.inv(own[seen]), compute_uv=False).T
+    return float((larger > BENT * smaller).mean())
+
+
+def _slope(elements: Extension, warp: Array) -> float:
+    """Mean slope that the background gets, where it comes to lie in the window."""
+    shift = warp.astype(np.float64)
+    across, down = np.diff(shift[:-1, :, 1], axis=1), np.diff(shift[:, :-1, 0], axis=0)
+    row, column = np.indices(across.shape)
+    x, y = column + shift[:-1, :-1, 0] - elements.left, row + shift[:-1, :-1, 1] - elements.top
+    ground = ~(elements.mask[:-1, :-1] | elements.mask[1:, :-1] | elements.mask[:-1, 1:])
+    ground &= (x >= 0) & (x < elements.width) & (y >= 0) & (y < elements.height)
+    return max(float(np.abs(each[ground]).mean()) for each in (across, down)) if ground.any() else 0.0

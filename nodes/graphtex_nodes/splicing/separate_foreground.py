@@ -58,9 +58,9 @@ def separate_foreground(
         Shape (h, w, c).
     elements
         As `FindTextons` gives them: their middles are foreground to begin with, what is outside of all of them
-        background. If colours make background of more than a quarter of the elements, as where these have several
-        colours and one of them is the joints', pixels are told instead by how much darker or brighter they are than
-        what is on both sides of them.
+        background. If colours make background of a tenth of the elements' insides, as where these have several colours
+        or one of them is the joints', and there are joints, darker or brighter than what is on both sides of them, that
+        part the elements and leave them whole, these are the background.
     foreground, background
         Pixels that are known: one element, and scribbles, will do. They stay what they are.
         Of more than a million pixels a reduced picture is cut first, and then bands along the outlines of all of it.
@@ -99,6 +99,7 @@ def separate_foreground(
     from graphtex_nodes.numerics.illumination import light_trend
     from graphtex_nodes.splicing._cutter import Cutter
     from graphtex_nodes.splicing._detection import reduced
+    from graphtex_nodes.splicing._joints import along_joints
     from graphtex_nodes.splicing._outlines import nearest_indices, reduction, refined_labels, refined_outlines
     from graphtex_nodes.splicing.texton_labels import texton_labels
 
@@ -115,9 +116,9 @@ def separate_foreground(
     mask = cutter.cut(small, ours - theirs, scaled, width / step, height / step, ctx)
     labels = label(mask)[0] if scaled is None else texton_labels(mask, scaled.points) + 1
     if step > 1:
-        if cutter.by_joints:
-            mask = mask[np.ix_(*nearest_indices(known.shape, mask.shape, step))]
-            mask = (mask | (known > 0)) & ~(known < 0)
+        if cutter.joints is not None:
+            joints = cutter.joints._replace(step=cutter.joints.step * step)
+            mask = along_joints(joints, cutter.evened(image), known, cutter.smoothness_of, ctx)
         else:
 
             def tile(window: tuple[slice, slice]) -> Array:

@@ -95,6 +95,21 @@ def test_margins_wider_than_between_neighbours_do_not_part_the_copies():
     assert len(tiled(points, (38, 48), 10, np.zeros(2), np.array([47.0, 37.0]))) == 6  # the picture itself stays
 
 
+def test_disjoint_elements_are_given_room():
+    """Discs 16 px wide, 20 px apart, in rows whose members are half as far apart as the rows: 14 px and 28 px."""
+    texture = discs(grid(20, (100, 100), 10), (100, 100), 8)
+    rows = discs(
+        np.stack(np.meshgrid(np.arange(5.0, 100, 10), np.arange(10.0, 100, 20)), 2).reshape(-1, 2), (100, 100), 3
+    )
+    extension = extend_texture(texture)
+    free, kept, wide = (align_distributions(extension, rows, spread=spread) for spread in (None, 1.0, 2.0))
+    nearest = [np.median(cKDTree(each.target.points).query(each.target.points, 2)[0][:, 1]) for each in (free, kept)]
+    assert nearest[1] < 15
+    assert nearest[0] == pytest.approx(0.95 * 16, abs=0.6)
+    assert wide.scale == pytest.approx(2 * kept.scale)
+    assert align_distributions(extension._replace(tag="F=c"), rows).scale == pytest.approx(kept.scale)
+
+
 def test_kept_is_not_turned():
     elements = extend_texture(discs(grid(16, (96, 96)), (96, 96), 5))
     other = discs(lattice("square", 20, 20, 160.0), (160, 160), 2)

@@ -54,6 +54,22 @@ def test_nothing_to_judge_and_a_wrong_size():
     extension, moves, mask, source, holes = spliced(texture, [[10, 10]])
     away = moves._replace(targets=moves.targets + 100)
     verdict = judge_splice(extension, away, np.zeros_like(mask), source, holes)
-    assert verdict == (0, 1, 0, 0)
+    assert verdict == (0, 1, 0, 0, 0, 0)
     with pytest.raises(ValueError, match=r"mask: expected shape \(21, 21\)"):
         judge_splice(extension, moves, mask[:-1], source[:-1], holes[:-1])
+
+
+def test_bent_elements_and_sloping_joints_by_hand():
+    """Four discs; the warp makes the left two twice as wide and lets the ground fall by 1 in 4 to the right."""
+    texture = discs([[10, 10], [10, 30], [30, 10], [30, 30]], (41, 41), 5)
+    extension = whole(texture)
+    moves = hungarian(extension, elements(texture.points)).moves
+    x = np.indices((41, 41))[1]
+    warp = np.zeros((41, 41, 2), np.float32)
+    warp[..., 0] = np.where(extension.mask & (x < 20), x - 10, 0)
+    warp[..., 1] = np.where(extension.mask, 0, (x - 20) / 4)
+    source, holes = extension.source, np.zeros((41, 41), bool)
+    verdict = judge_splice(extension, moves, texture.mask, source, holes, warp)
+    assert verdict.bent == 0.5
+    assert verdict.slope == pytest.approx(0.25, abs=0.01)
+    assert judge_splice(extension, moves, texture.mask, source, holes, warp * 0).bent == 0

