@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.figures import Figure
+from benchmarks.size_spectra import relative_slope
 from graphtex import Context
 from graphtex_nodes import (
     contact_sheet,
@@ -20,12 +21,11 @@ from graphtex_nodes import (
     scale_from_angles,
 )
 from graphtex_nodes.image.save import save_image
-from graphtex_nodes.numerics.measures import SizeMeasure, scale_slope, source_scale_correlation
+from graphtex_nodes.numerics.measures import source_scale_correlation
 
 Array = NDArray[Any]
 
 SEEDS = (0, 1, 2)
-MEASURE: SizeMeasure = "centroid"  # runs count the mortar's grain on the brick floor and miss its size
 SURE = 0.3  # confidence of EstimateAngles below which it warns, and a user would measure sizes instead
 
 
@@ -33,8 +33,8 @@ SURE = 0.3  # confidence of EstimateAngles below which it warns, and a user woul
 class Marks:
     """A file, the part of it that shows one texture, and sizes that were measured at rows of the file.
 
-    `rows_cross` tells whether elements lie side by side along rows, so that the spectrum of rows tells their size;
-    `receding` that sizes were measured in the direction in which the plane recedes, where they go as its scale squared.
+    `receding` tells that sizes were measured in the direction in which the plane recedes, where they go as its scale
+    squared; `spectra` whether the elements rule the spectra of that direction, which then tell their sizes.
     """
 
     file: str
@@ -43,8 +43,8 @@ class Marks:
     right: int
     bottom: int
     sizes: dict[int, float]
-    rows_cross: bool = True
     receding: bool = False
+    spectra: bool = True
 
     def picture(self, folder: Path) -> Array:
         """Return the part of the file that shows the texture."""
@@ -78,14 +78,14 @@ MARKED = {
         "perspective-deckwater.jpg", 0, 316, 400, 560,
         {303: 12.9, 317: 14.3, 331: 14.6, 347: 17.1, 364: 16.1, 381: 19.3, 401: 20.7, 424: 24.3, 450: 27.9, 475: 22.5,
          500: 26.4, 531: 37.0},
-        rows_cross=False, receding=True,
+        receding=True,
     ),
     # the pier's width between its rails
-    "pier": Marks("perspective-pier.jpg", 415, 430, 605, 683, {450: 267, 563: 533, 677: 753}, rows_cross=False),
+    "pier": Marks("perspective-pier.jpg", 415, 430, 605, 683, {450: 267, 563: 533, 677: 753}, spectra=False),
     # widths of flowers, about ten at each row; shadows of trees rule the spectrum of rows
     "anemones": Marks(
         "perspective-anemones.jpg", 0, 95, 512, 307, {78: 2.3, 122: 3.0, 170: 3.7, 215: 5.3, 262: 7.0},
-        rows_cross=False,
+        spectra=False,
     ),
 }  # fmt: skip
 
@@ -112,11 +112,12 @@ def judged(name: str, exemplar: Array, marks: Marks, pictures: Path | None) -> I
     yield Figure(f"{name}: confidence of EstimateAngles", angles.confidence)
     guided = [optimize(exemplar, found, wanted, rng=seed) for seed in SEEDS]
     plain = [optimize(exemplar, width=width, height=height, scale_weight=0.0, rng=seed) for seed in SEEDS]
-    if marks.rows_cross:
-        own = scale_slope(exemplar, true, measure=MEASURE)
+    if marks.spectra:
         for label, results, bound in (("result", guided, ">= 0.9"), ("plain optimisation", plain, "<= 0.2")):
-            slope = float(np.mean([scale_slope(result.image, truth, measure=MEASURE) for result in results]))
-            yield Figure(f"{name}, {guide}: slope of {label} over the exemplar's", slope / own, bound, 1.0)
+            slopes = [
+                relative_slope(result.image, truth, exemplar, true, receding=marks.receding) for result in results
+            ]
+            yield Figure(f"{name}, {guide}: slope of {label} over the exemplar's", float(np.mean(slopes)), bound, 1.0)
     correlations = [
         float(np.mean([source_scale_correlation(result.source, [true], truth) for result in results]))
         for results in (guided, plain)

@@ -4,18 +4,17 @@
 """
 
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-SizeMeasure = Literal["runs", "centroid"]
 
 SHORTEST_LINE = 32  # pixels: shorter lines across a picture's corner hold too few elements
 
 
-def scale_slope(image: Array, scale: Array, *, bands: int = 8, measure: SizeMeasure = "runs") -> float:
+def scale_slope(image: Array, scale: Array, *, bands: int = 8) -> float:
     """Log-log slope of the measured size of elements against the scale that they should have.
 
     0 where elements are equally large everywhere, whatever the scale map says. A picture that follows its map perfectly
@@ -32,15 +31,13 @@ def scale_slope(image: Array, scale: Array, *, bands: int = 8, measure: SizeMeas
         (h, w), positive. Its general direction of change is what counts for the direction of the lines.
     bands
         Number of bands of equal width in log scale; bands without elements are left out.
-    measure
-        See `element_sizes`.
 
     Raises
     ------
     ValueError
         The scale is constant, or fewer than two bands can be measured.
     """
-    scales, sizes = element_sizes(image, scale, bands=bands, measure=measure)
+    scales, sizes = element_sizes(image, scale, bands=bands)
     if len(scales) < 2:
         raise ValueError(f"scale: a slope needs at least two bands that hold elements, got {len(scales)} of {bands}")
     x, y = np.log(scales), np.log(sizes)
@@ -48,17 +45,12 @@ def scale_slope(image: Array, scale: Array, *, bands: int = 8, measure: SizeMeas
     return float((x * y).sum() / (x * x).sum())
 
 
-def element_sizes(image: Array, scale: Array, *, bands: int = 8, measure: SizeMeasure = "runs") -> tuple[Array, Array]:
+def element_sizes(image: Array, scale: Array, *, bands: int = 8) -> tuple[Array, Array]:
     """Mean scale and mean size of elements (pixels) in bands of equal width in log scale, sizes along equal scale.
 
-    The picture is read along straight lines at right angles to the mean gradient of the scale, all channels alike.
-
-    Parameters
-    ----------
-    measure
-        ``runs``: mean distance between crossings of a line's median. Steady, and it follows curved scale maps too,
-        since each crossing counts for the scale where it is. ``centroid``: inverse of the spectral centroid (power
-        times frequency over power) of a band's lines, in pixels per cycle; two to three times as noisy.
+    The picture is read along straight lines at right angles to the mean gradient of the scale, all channels alike. A
+    size is the mean distance between crossings of a line's median; each crossing counts for the scale where it is, so
+    curved scale maps are followed too.
 
     Raises
     ------
@@ -69,8 +61,7 @@ def element_sizes(image: Array, scale: Array, *, bands: int = 8, measure: SizeMe
     lines, line_scale, inside = _lines_of_equal_scale(np.asarray(image, np.float64), scale)
     edges = np.linspace(np.log(scale.min()), np.log(scale.max()), bands + 1)
     band = np.clip(np.searchsorted(edges, np.log(np.where(inside, line_scale, 1)), side="right") - 1, 0, bands - 1)
-    sizes = _run_lengths if measure == "runs" else _periods
-    size = sizes(lines, inside, band, bands)
+    size = _run_lengths(lines, inside, band, bands)
     weight = np.bincount(band[inside], minlength=bands)
     mean = np.bincount(band[inside], np.log(line_scale[inside]), bands) / np.maximum(weight, 1)
     return np.exp(mean[np.isfinite(size)]), size[np.isfinite(size)]
@@ -114,22 +105,6 @@ def _run_lengths(lines: Array, inside: Array, band: Array, bands: int) -> Array:
 
 def _masked(lines: Array, inside: Array) -> Array:
     return np.where(inside[..., None], lines, np.nan)
-
-
-def _periods(lines: Array, inside: Array, band: Array, bands: int) -> Array:
-    """Power over power times frequency of the lines of each band (Hann window, channels summed); infinite if empty."""
-    length = 1 << int(lines.shape[1] - 1).bit_length()
-    frequency = np.fft.rfftfreq(length)
-    power = np.zeros((bands, len(frequency)))
-    for line, within, numbers in zip(lines, inside, band, strict=True):
-        if within.any():
-            samples = line[within]
-            window = np.hanning(len(samples) + 2)[1:-1, None]
-            samples = (samples - (samples * window).sum(axis=0) / window.sum()) * window
-            spectrum = np.abs(np.fft.rfft(samples, length, axis=0)) ** 2
-            power[int(np.median(numbers[within]))] += spectrum.sum(axis=1) / (window**2).sum()
-    total, moment = power[:, 1:].sum(axis=1), (power * frequency).sum(axis=1)
-    return np.where(moment > 1e-12, total / np.maximum(moment, 1e-12), np.inf)
 
 
 def source_scale_correlation(source: Array, scales: Sequence[Array], target: Array) -> float:
