@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _TAPS = np.array([1, 3, 3, 1], np.float32) / 8
+_BAND = 64  # rows that are halved at once: large pictures need little more memory than the result
 
 
 def half_size(size: int) -> int:
@@ -22,15 +23,14 @@ def level_size(size: int, level: int) -> int:
     return size
 
 
-def _halve_rows(array: NDArray[np.float32]) -> NDArray[np.float32]:
-    rows = array.shape[0]
-    if rows == 1:
+def _halved_rows(array: NDArray[np.float32], first: int, last: int) -> NDArray[np.float32]:
+    """Rows ``first`` to ``last`` of the half-size array; one row stays."""
+    if array.shape[0] == 1:
         return array
-    padded = np.concatenate([array[:1], array, array[-1:], array[-1:]])
-    count = half_size(rows)
-    total = np.zeros((count, *array.shape[1:]), np.float32)
+    near = array[np.clip(np.arange(2 * first - 1, 2 * last + 1), 0, array.shape[0] - 1)]
+    total = np.zeros((last - first, *array.shape[1:]), np.float32)
     for tap, weight in enumerate(_TAPS):
-        total += weight * padded[tap : tap + 2 * count - 1 : 2]
+        total += weight * near[tap : tap + 2 * (last - first) - 1 : 2]
     return total
 
 
@@ -52,8 +52,14 @@ def halve(image: NDArray[np.float32]) -> NDArray[np.float32]:
     >>> halve(np.array([[0, 0, 8, 8]], np.float32))
     array([[1., 7.]], dtype=float32)
     """
-    rows = _halve_rows(np.asarray(image, np.float32))
-    return np.ascontiguousarray(np.swapaxes(_halve_rows(np.ascontiguousarray(np.swapaxes(rows, 0, 1))), 0, 1))
+    image = np.asarray(image, np.float32)
+    height, width = (half_size(side) for side in image.shape[:2])
+    result = np.empty((height, width, *image.shape[2:]), np.float32)
+    for first in range(0, height, _BAND):
+        last = min(first + _BAND, height)
+        rows = np.swapaxes(_halved_rows(image, first, last), 0, 1)
+        result[first:last] = np.swapaxes(_halved_rows(rows, 0, width), 0, 1)
+    return result
 
 
 def pyramid(image: NDArray[np.float32], levels: int) -> list[NDArray[np.float32]]:
