@@ -188,7 +188,7 @@ def _scale_guide(
     if missing > MISSING_WORTH_TELLING:
         work.warn(
             f"{missing:.0%} of the output asks for scales that the exemplar lacks (it has "
-            f"{have.min():.2g} to {have.max():.2g}): the nearest are used there"
+            f"{have.min():.2g} to {have.max():.2g}): the nearest are used there; resample makes copies of others"
         )
         target = np.clip(target, have.min(), have.max())
     return guide, target * factor, guidance.importance(have, target[asked])
@@ -227,5 +227,8 @@ def _can_guide(colours: Array, scales: Scales, chosen: Flags, work: Work) -> boo
         raise ValueError('target_scale: expected a map beside exemplar_scale (or scale_mode="free"), got none')
     if guidance.scale_factor(colours, scales.exemplar[chosen], scales.weight) > 0:
         return True
-    work.warn("exemplar_scale is the same everywhere: it cannot guide, the synthesis is plain")
+    work.warn(
+        "exemplar_scale is the same everywhere: it cannot guide, the synthesis is plain; "
+        "resample makes copies of other sizes"
+    )
     return False

@@ -1,6 +1,6 @@
 """Slant and tilt of a textured plane, from its picture or from its scale map (Dong, Zhou & Paul 2008, section 3.2)."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,9 @@ def estimate_angles(
     usable: Annotated[Mask, Axes("h w")] | None = None,
     *,
     field_of_view: View | None = None,
+    doubtful: Annotated[Literal["keep", "flat"], Field(description="what becomes of angles below confidence 0.3")] = (
+        "keep"
+    ),
     ctx: Context = QUIET,
 ) -> Angles:
     r"""Angles for `ScaleFromAngles` that nobody has to guess: slant and tilt of the plane that a picture shows.
@@ -59,6 +62,9 @@ def estimate_angles(
         (h, w), True on the ground: a sky, or what stands on the ground, is left out.
     field_of_view
         Of the camera. About 65 for a phone, 40 to 55 for a camera's usual lens; less for a crop.
+    doubtful
+        ``flat`` takes for a plane seen face on, of slant 0, what is not surely another one. Guided by the noise of a
+        flat texture a synthesis is worse than without.
 
     Returns
     -------
@@ -112,7 +118,9 @@ def estimate_angles(
     if loss > STEEPEST - 0.03:
         ctx.warn("the horizon is in the picture or near it: crop it to the ground, or mark the ground as usable")
     if confidence < DOUBTFUL:
-        ctx.warn(f"the plane explains only {confidence:.0%} of how scale varies: its angles are doubtful")
+        taken = "it is taken for one seen face on" if doubtful == "flat" else "its angles are doubtful"
+        ctx.warn(f"the plane explains only {confidence:.0%} of how scale varies: {taken}")
+        steepness = 0.0 if doubtful == "flat" else steepness
     return Angles(slant_of(width, height, tilt, steepness, field_of_view), tilt, confidence)
 
 

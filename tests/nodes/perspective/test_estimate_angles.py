@@ -154,4 +154,9 @@ def test_what_varies_by_chance_is_no_plane(name):
     """A corner of a photograph seen head on: some plane fits it, but hardly better than none does."""
     corner = np.ascontiguousarray(sample(name=name)[:200, 250:410])
     with pytest.warns(UserWarning, match="explains only"):
-        assert estimate_angles(corner).confidence < 0.12
+        found = estimate_angles(corner)
+    assert found.confidence < 0.12
+    assert found.slant > 15
+    with pytest.warns(UserWarning, match="taken for one seen face on"):
+        flat = estimate_angles(corner, doubtful="flat")
+    assert flat == found._replace(slant=0.0)
