@@ -3,6 +3,7 @@
 # mypy: allow-untyped-defs
 
 import numpy as np
+from numba import njit
 
 from graphtex_nodes.numerics.cut_kernels import copied, seam, unlike
 from graphtex_nodes.numerics.jit import kernel
@@ -104,26 +105,51 @@ def move_seams(exemplar, usable, image, source, changed, pull, join, busy, parit
                     changed[y + down, x + right] = 1
 
 
+NOTHING = np.int64(-(2**63))
+"""Number of no piece: outside, and where pixels are known."""
+
+
+@njit(inline="always")
+def number_pieces(source, y, line):
+    """Write a number for the piece that each pixel of row y shows: its shifts down and right to the exemplar.
+
+    ``line`` is longer than the row, on both sides as much.
+    """
+    line[:] = NOTHING
+    if 0 <= y < source.shape[0]:
+        margin = (line.shape[0] - source.shape[1]) // 2
+        for x in range(source.shape[1]):
+            if source[y, x, 0] >= 0:
+                line[margin + x] = (np.int64(source[y, x, 0] - y) << 32) | (np.int64(source[y, x, 1] - x) & 0xFFFFFFFF)
+
+
 @kernel(
-    "const f4[:,:,:], const u1[:,:], const i4[:,:,:], const u1[:,:], const f4[:,:], f4[:,:,:], i8, i8",
+    "const f4[:,:], const u1[:,:], const i4[:,:,:], const u1[:,:], const f4[:,:], f4[:,:], i8, i8",
     fastmath={"contract"},
 )
 def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
-    """Mix the pieces that meet near a pixel, each continued up to it; inside a piece the exemplar's pixel is copied.
+    """Mix the pieces that meet near a pixel, each continued up to it; inside a piece the exemplar's pixels are copied.
 
-    ``falloff`` (2 r + 1, 2 r + 1) are the weights of the pixels around, ``seams`` (h, w) the pixels beside a seam.
+    ``exemplar`` and ``image`` have the channels of each pixel side by side in their rows. ``falloff`` (2 r + 1, 2 r + 1) are the weights of the pixels around, ``seams`` (h, w) the pixels beside a seam.
     Unlike a blur, this keeps the detail of each piece. Pieces that cannot be continued up to the pixel are left out.
-    Only the channels of ``image`` are written; those of known pixels, whose source is negative, become 0.
+    Known pixels, whose source is negative, become 0.
     """
     height, width = source.shape[0], source.shape[1]
-    radius = falloff.shape[0] // 2
-    channels = image.shape[2]
+    channels = image.shape[1] // width
+    side = falloff.shape[0]
+    radius = side // 2
     near = np.zeros(width + 2 * radius, np.uint8)
     close = np.zeros(width, np.uint8)
-    piece_y = np.empty(falloff.size, np.int64)
-    piece_x = np.empty(falloff.size, np.int64)
+    lines = np.empty((side, width + 2 * radius), np.int64)  # of rows y - radius to y + radius, in the order of ``rows``
+    rows = np.empty(side, np.int64)
+    pieces = np.empty(falloff.size, np.int64)
     support = np.empty(falloff.size, np.float32)
+    for y in range(first - radius, first + radius):
+        number_pieces(source, y, lines[y % side])
     for y in range(first, stop):
+        number_pieces(source, y + radius, lines[(y + radius) % side])
+        for down in range(side):
+            rows[down] = (y + down - radius) % side
         # another piece in the square around a pixel has a seam one pixel nearer, unless it holds but a corner
         near[:] = 0
         for line in range(max(0, y - radius + 1), min(height, y + radius)):
@@ -137,44 +163,59 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
                 near[radius : radius + width] |= seams[line]
         for shift in (0, 2 * radius):
             close |= near[shift : shift + width]
-        for x in range(width):
-            here_y = source[y, x, 0]
-            here_x = source[y, x, 1]
-            for c in range(channels):
-                image[y, x, c] = 0
-            if here_y < 0:
+        x = 0
+        while x < width:
+            start = x * channels
+            row, column = source[y, x, 0], source[y, x, 1]
+            if row < 0:
+                for c in range(channels):
+                    image[y, start + c] = 0
+                x += 1
                 continue
             if not close[x]:
-                for c in range(channels):
-                    image[y, x, c] = exemplar[here_y, here_x, c]
+                while x < width and not close[x]:
+                    x += 1
+                for index in range(x * channels - start):
+                    image[y, start + index] = exemplar[row, column * channels + index]
                 continue
             count = 1
-            piece_y[0] = here_y
-            piece_x[0] = here_x
-            support[0] = 0
-            for down in range(-min(radius, y), min(radius, height - 1 - y) + 1):
-                for right in range(-min(radius, x), min(radius, width - 1 - x) + 1):
-                    if source[y + down, x + right, 0] < 0:
-                        continue
-                    ey = source[y + down, x + right, 0] - down
-                    ex = source[y + down, x + right, 1] - right
-                    index = 0
-                    while index < count and (piece_y[index] != ey or piece_x[index] != ex):
-                        index += 1
-                    if index == count:
-                        if not copied(usable, ey, ex):
+            index = 0
+            last = pieces[0] = lines[rows[radius], x + radius]
+            weight = np.float32(0)
+            for down in range(side):
+                line = rows[down]
+                for right in range(side):
+                    piece = lines[line, x + right]
+                    if piece != last:
+                        if piece == NOTHING:
                             continue
-                        piece_y[count] = ey
-                        piece_x[count] = ex
-                        support[count] = 0
-                        count += 1
-                    support[index] += falloff[down + radius, right + radius]
-            if count == 1:
-                support[0] = 1  # its own piece alone: a copy, without rounding
+                        support[index] = weight
+                        index = 0
+                        while index < count and pieces[index] != piece:
+                            index += 1
+                        if index == count:
+                            pieces[count] = piece
+                            support[count] = 0
+                            count += 1
+                        last = piece
+                        weight = support[index]
+                    weight += falloff[down, right]
+            support[index] = weight
+            used = 0
             total = np.float32(0)
-            for index in range(count):
-                total += support[index]
-                for c in range(channels):
-                    image[y, x, c] += support[index] * exemplar[piece_y[index], piece_x[index], c]
             for c in range(channels):
-                image[y, x, c] /= total
+                image[y, start + c] = 0
+            for index in range(count):
+                ey = y + (pieces[index] >> 32)
+                ex = x + np.int64(np.int32(pieces[index] & 0xFFFFFFFF))
+                if copied(usable, ey, ex):
+                    used += 1
+                    total += support[index]
+                    for c in range(channels):
+                        image[y, start + c] += support[index] * exemplar[ey, ex * channels + c]
+            for c in range(channels):
+                if used == 1:  # its own piece alone: a copy, without rounding
+                    image[y, start + c] = exemplar[row, column * channels + c]
+                else:
+                    image[y, start + c] /= total
+            x += 1

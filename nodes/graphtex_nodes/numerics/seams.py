@@ -132,11 +132,13 @@ def fade_seams(
     place = np.arange(-radius, radius + 1) / max(1, radius)
     line = np.exp(-2 * place**2)
     falloff = np.outer(line, line).astype(np.float32)
+    colours = np.ascontiguousarray(exemplar[..., :channels]).reshape(len(exemplar), -1)
     image = np.empty((*source.shape[:2], channels), np.float32)
+    lines = image.reshape(len(image), -1)
     seams = seam_pixels(source, work)
 
     def band(first: int, stop: int) -> None:
-        seam_kernels.fade_seams(exemplar, usable, source, seams, falloff, image, first, stop)
+        seam_kernels.fade_seams(colours, usable, source, seams, falloff, lines, first, stop)
 
     for_rows(band, source.shape[0], source.shape[1] * falloff.size * (3 + channels) / 5, work)
     return image
