@@ -240,4 +240,4 @@ def traced(sheet: Atlas, places: NDArray[np.integer]) -> tuple[Array, Array]:
     numbers = places[..., 0] * np.intp(sheet.origin.shape[1]) + places[..., 1]
     shown = np.zeros(len(origins), bool)
     shown[numbers if places[..., 0].min() >= 0 else numbers[places[..., 0] >= 0]] = True
-    return origins.take(numbers, axis=0, mode="wrap"), origins[shown]
+    return origins.take(numbers, axis=0, mode="wrap"), origins.compress(shown, axis=0)

@@ -83,8 +83,8 @@ def _count(share: Array, allowed: Flags | None) -> int:
 def charge(
     share: Array, relief: Array, field: Field, mean: float, *, evenness: float, radius: int, allowed: Flags | None,
     wanted: Flags | None,
-) -> Array:  # fmt: skip
-    """What each exemplar window (h, w) costs for being used more often than wanted, where it has no price.
+) -> Array | None:  # fmt: skip
+    """What each exemplar window (h, w) costs for being used more often than wanted; None where it has a price instead.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def charge(
         Output windows (rows, columns) that look for a source, if not all do: then there are no prices.
     """
     if evenness <= 0 or mean <= 0 or (wanted is None and _count(share, allowed) <= MOST_PLACES):
-        return np.zeros(share.shape, np.float32)
+        return None
     used = usage(field if wanted is None else field[wanted], share.shape, radius, allowed)
     result: Array = np.maximum(0, used / share - 1) * relief * np.float32(evenness * mean)
     return result
@@ -137,21 +137,21 @@ def crowding(field: Field, shape: tuple[int, int], step: int) -> tuple[Array, in
     rows, columns = (np.arange(side) * count // side for side, count in zip(field.shape[:2], sides, strict=True))
     place = (rows[:, None] * sides[1] + columns) * cells[0] + field[..., 0] // cell
     place = place * cells[1] + field[..., 1] // cell
-    counts = np.bincount(place.ravel(), minlength=int(np.prod(sides + cells))).reshape(*sides, *cells)
+    counts = np.bincount(place.ravel(), minlength=int(np.prod(sides + cells))).reshape(*sides, *cells).astype(np.int32)
     others = _around(counts, round(reach / tile)) - _around(counts, 1)
     copies = uniform_filter(np.maximum(others, 0).astype(np.float32), (1, 1, 3, 3), mode="nearest")
     return copies * np.float32((step / cell) ** 2), cell
 
 
-def _around(counts: NDArray[np.intp], radius: int) -> NDArray[np.intp]:
+def _around(counts: NDArray[np.int32], radius: int) -> NDArray[np.int32]:
     """Sums (a, b, ...) over the tiles at most ``radius`` away each way."""
-    side = 2 * radius + 1
     for axis in (0, 1):
         lines = counts.swapaxes(0, axis)
-        total = np.zeros((len(lines) + side, *lines.shape[1:]), np.intp)
-        np.cumsum(lines, axis=0, out=total[radius + 1 : len(total) - radius])
-        total[len(total) - radius :] = total[len(total) - radius - 1]
-        counts = (total[side:] - total[:-side]).swapaxes(0, axis)
+        total = lines.copy()
+        for shift in range(1, min(radius, len(lines) - 1) + 1):
+            total[shift:] += lines[:-shift]
+            total[:-shift] += lines[shift:]
+        counts = total.swapaxes(0, axis)
     return counts
 
 

@@ -130,7 +130,8 @@ def number_pieces(source, y, line):
 def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
     """Mix the pieces that meet near a pixel, each continued up to it; inside a piece the exemplar's pixels are copied.
 
-    ``exemplar`` and ``image`` have the channels of each pixel side by side in their rows. ``falloff`` (2 r + 1, 2 r + 1) are the weights of the pixels around, ``seams`` (h, w) the pixels beside a seam.
+    ``exemplar`` and ``image`` have the channels of each pixel side by side in their rows, ``falloff``
+    (2 r + 1, 2 r + 1) are the weights of the pixels around, ``seams`` (h, w) the pixels beside a seam.
     Unlike a blur, this keeps the detail of each piece. Pieces that cannot be continued up to the pixel are left out.
     Known pixels, whose source is negative, become 0.
     """

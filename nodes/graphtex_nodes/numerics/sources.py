@@ -105,13 +105,16 @@ def coherence(source: NDArray[Any]) -> float:
     Pairs with a negative source, a known pixel, do not count. 1 where there is no pair.
     """
     rows, columns = source[..., 0], source[..., 1]
-    right = (rows[:, 1:] == rows[:, :-1]) & (columns[:, 1:] == columns[:, :-1] + 1)
-    down = (rows[1:] == rows[:-1] + 1) & (columns[1:] == columns[:-1])
-    copied = rows >= 0
-    right = right[copied[:, 1:] & copied[:, :-1]]
-    down = down[copied[1:] & copied[:-1]]
+    stride = int(columns.max(initial=0)) + 2
+    numbers = rows * np.int64(stride) + columns
+    right = numbers[:, 1:] == numbers[:, :-1] + 1
+    down = numbers[1:] == numbers[:-1] + stride
+    if rows.min(initial=0) < 0:
+        copied = rows >= 0
+        right = right[copied[:, 1:] & copied[:, :-1]]
+        down = down[copied[1:] & copied[:-1]]
     pairs = right.size + down.size
-    return float((right.sum() + down.sum()) / pairs) if pairs else 1.0
+    return float((np.count_nonzero(right) + np.count_nonzero(down)) / pairs) if pairs else 1.0
 
 
 def coverage(source: Array, usable: Sequence[NDArray[np.bool_]]) -> float:
@@ -121,10 +124,11 @@ def coverage(source: Array, usable: Sequence[NDArray[np.bool_]]) -> float:
     """
     used, total = 0, 0
     for index, mask in enumerate(usable):
-        own = source[source[..., INDEX] == index]
-        seen = np.zeros(mask.shape, bool)
-        seen[np.rint(own[:, ROW]).astype(np.intp), np.rint(own[:, COLUMN]).astype(np.intp)] = True
-        used += int(np.count_nonzero(seen & mask))
+        own = source[..., INDEX] == index
+        rows, columns = (np.rint(source[..., axis][own]).astype(np.intp) for axis in (ROW, COLUMN))
+        seen = np.zeros(mask.size, bool)
+        seen[rows * mask.shape[1] + columns] = True
+        used += int(np.count_nonzero(seen.reshape(mask.shape) & mask))
         total += int(np.count_nonzero(mask))
     return used / total
 

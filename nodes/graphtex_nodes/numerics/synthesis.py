@@ -225,12 +225,11 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, turn: 
     standing = before.standing
     if standing is None or turn[1] % evenness.lasting(level.share, level.allowed) == 0:
         standing = _standing(level, windows, None if turn == (0, 0) else before.field, settings.evenness, work)
-    charge = standing + evenness.charge(
+    overuse = evenness.charge(
         level.share, level.relief, before.field, before.mean,
         evenness=settings.evenness, radius=grid.window // 2, allowed=level.allowed, wanted=wanted,
     )  # fmt: skip
-    if level.allowed is not None:
-        charge[..., ~level.allowed] = np.inf
+    charge = standing if overuse is None else standing + overuse
     if turn == (0, 0) or exact_cost(windows, level.features) <= EXACT_LIMIT:
         field, costs = search_exact(windows, level.features, charge, work, wanted)
     else:
@@ -254,13 +253,17 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, turn: 
 
 
 def _standing(level: _Level, windows: Array, field: Field | None, share: float, work: Work) -> Array:
-    """Charge that may stand for some turns; none where only some windows look for a source."""
+    """Charge that may stand for some turns: infinite where nothing may be used, else 0 if only some windows look."""
     if level.wanted is not None:
-        return np.zeros((1, 1, *level.share.shape), np.float32)
-    return evenness.standing(
-        windows, level.features, level.share, level.relief, field,
-        evenness=share, step=level.frame.grid.step, allowed=level.allowed, work=work,
-    )  # fmt: skip
+        charge = np.zeros((1, 1, *level.share.shape), np.float32)
+    else:
+        charge = evenness.standing(
+            windows, level.features, level.share, level.relief, field,
+            evenness=share, step=level.frame.grid.step, allowed=level.allowed, work=work,
+        )  # fmt: skip
+    if level.allowed is not None:
+        charge[..., ~level.allowed] = np.inf
+    return charge
 
 
 def _vote(level: _Level, match: _Match, pixel_weights: Array, work: Work) -> None:
