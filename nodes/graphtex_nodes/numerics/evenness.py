@@ -20,16 +20,14 @@ SMOOTH = 1 / 3
 
 
 def standing(
-    windows: Array, features: Array, share: Array, relief: Array, field: Field | None, *, evenness: float, step: int,
+    windows: Array, features: Array, share: Array, crowd: Array | None, *, evenness: float, step: int,
     allowed: Flags | None, work: Work,
 ) -> Array:  # fmt: skip
     """Cost of each exemplar window (a, b, h, w) beside its distance, for windows in each of a x b tiles of the output.
 
     Where the exemplar has few windows, on coarse levels, these are prices at which windows share all of them. So parts
-    of the exemplar keep their share of the output, which finer levels do not change much. On all but fine levels a
-    place costs more near where it is shown already: see :func:`crowding`. But not where some places are wanted more
-    than others: those that a guide asks for in one part of the output are few, and must repeat. All this hardly changes
-    from one turn to the next: see :func:`lasting`.
+    of the exemplar keep their share of the output, which finer levels do not change much. Besides, what :func:`crowd`
+    charges. All this hardly changes from one turn to the next: see :func:`lasting`.
 
     Parameters
     ----------
@@ -37,10 +35,8 @@ def standing(
         Coordinates of the windows that look for a source (rows, columns, k), and of the exemplar's (h, w, k).
     share
         How often each exemplar window should be used (h, w), relative to the mean.
-    relief
-        Share (h, w) of a charge for crowding that a window pays: see :func:`local_relief`.
-    field
-        The sources found last (rows, columns, 2); None = none were.
+    crowd
+        What is charged besides (a, b, h, w); None = nothing.
     evenness
         Firmness of prices in variances of ``features``.
     step
@@ -51,22 +47,38 @@ def standing(
     """
     height, width = features.shape[:2]
     result = np.zeros((height, width), np.float32)
-    may = np.ones((height, width), bool) if allowed is None else allowed
-    places = _count(share, allowed)
-    if evenness <= 0 or places > MOST_CROWDED:
-        return result[None, None]
-    if places <= MOST_PLACES:
+    if evenness > 0 and _count(share, allowed) <= MOST_PLACES:
+        may = np.ones((height, width), bool) if allowed is None else allowed
         rows, columns = np.nonzero(may)
         cells = np.unique(rows // step * width + columns // step, return_inverse=True)[1]
         result[may] = prices(windows.reshape(-1, windows.shape[2]), features[may], share[may], evenness, work, cells)
-    if field is None or np.ptp(share) > 0:
-        return result[None, None]
+    return result[None, None] if crowd is None else crowd + result
+
+
+def crowd(
+    field: Field, features: Array, share: Array, relief: Array, *, evenness: float, step: int, allowed: Flags | None
+) -> Array | None:  # fmt: skip
+    """What exemplar windows cost more where they are shown near by: (a, b, h, w), in each of a x b tiles of the output.
+
+    None on fine levels, where all is arranged, and where some places are wanted more than others: those that a guide
+    asks for in one part of the output are few, and must repeat.
+
+    Parameters
+    ----------
+    field
+        The sources found last (rows, columns, 2).
+    relief
+        Share (h, w) of the charge that a window pays: see :func:`local_relief`.
+    features, share, evenness, step, allowed
+        See :func:`standing`.
+    """
+    if evenness <= 0 or _count(share, allowed) > MOST_CROWDED or np.ptp(share) > 0:
+        return None
+    height, width = features.shape[:2]
     variance = features.var(axis=(0, 1), dtype=np.float64).sum()
     copies, cell = crowding(field, (height, width), step)
     copies *= relief[::cell, ::cell] * np.float32(CROWDED * evenness * variance)
     charges: Array = copies.take(np.arange(height) // cell, 2).take(np.arange(width) // cell, 3)
-    if places <= MOST_PLACES:
-        charges += result
     return charges
 
 
@@ -89,7 +101,7 @@ def charge(
     Parameters
     ----------
     share, relief, field, allowed
-        See :func:`standing`.
+        See :func:`crowd`.
     mean
         Mean squared distance of the sources found last, 0 if none were.
     evenness

@@ -197,12 +197,16 @@ def _labels(pieces: Field) -> NDArray[np.int32]:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    index = np.arange(pieces[..., 0].size).reshape(pieces.shape[:2])
     code = pieces[..., 0].astype(np.int64) << 32 | (pieces[..., 1].astype(np.int64) & 0xFFFFFFFF)
-    down, right = code[1:] == code[:-1], code[:, 1:] == code[:, :-1]
-    ends = np.append(index[1:][down], index[:, 1:][right]), np.append(index[:-1][down], index[:, :-1][right])
-    graph = coo_array((np.ones(len(ends[0]), np.int8), ends), shape=(index.size, index.size))
-    labels: NDArray[np.int32] = connected_components(graph, directed=False)[1].reshape(index.shape)
+    starts = np.ones(code.shape, bool)
+    np.not_equal(code[:, 1:], code[:, :-1], out=starts[:, 1:])
+    runs = np.cumsum(starts, dtype=np.int32).reshape(code.shape) - 1
+    # one pair for each two runs that touch: where one of them starts
+    touch = (code[1:] == code[:-1]) & (starts[1:] | starts[:-1])
+    ends = runs[1:][touch], runs[:-1][touch]
+    count = int(runs[-1, -1]) + 1
+    graph = coo_array((np.ones(len(ends[0]), np.int8), ends), shape=(count, count))
+    labels: NDArray[np.int32] = connected_components(graph, directed=False)[1][runs]
     return labels
 
 

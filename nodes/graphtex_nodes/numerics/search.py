@@ -36,12 +36,12 @@ def search_exact(
         Added to the squared distance (a, b, h, w), in each of a x b tiles of the windows another; infinite where an
         exemplar window must not be used.
     wanted
-        Which windows look for a source (rows, columns); None = all. The costs of others are 0.
+        Which windows look for a source (rows, columns); None = all. The distances of others are 0.
 
     Returns
     -------
-    field, costs
-        Row and column of the source, int32 (rows, columns, 2), and squared distance with charge (rows, columns).
+    field, distances
+        Row and column of the source, int32 (rows, columns, 2), and squared distance without charge (rows, columns).
     """
     rows, columns = windows.shape[:2]
     places = np.argwhere(np.isfinite(charge[0, 0])).astype(np.int32)
@@ -49,14 +49,14 @@ def search_exact(
     stride = min(len(places), int(np.ceil(seen / LIST_LIMIT)))
     places = np.ascontiguousarray(places[(stride - 1) // 2 :: stride])
     field = np.zeros((rows, columns, 2), np.int32)
-    costs = np.zeros((rows, columns), np.float32)
-    flags = _flags(wanted, costs)
+    distances = np.zeros((rows, columns), np.float32)
+    flags = _flags(wanted, distances)
 
     def band(first: int, stop: int) -> None:
-        search_kernels.search_listed(windows, exemplar, places, charge, flags, field, costs, first, stop)
+        search_kernels.search_listed(windows, exemplar, places, charge, flags, field, distances, first, stop)
 
     for_rows(band, rows, columns * len(places) * windows.shape[2] / 2, work)
-    return field, costs
+    return field, distances
 
 
 def search_warm(
@@ -71,8 +71,8 @@ def search_warm(
     finds as much in half the time.
     """
     rows, columns = field.shape[:2]
-    costs = np.zeros((rows, columns), np.float32)
-    flags = _flags(wanted, costs)
+    distances = np.zeros((rows, columns), np.float32)
+    flags = _flags(wanted, distances)
     seeds = np.random.SeedSequence(seed).generate_state(passes, np.uint64)
     reach = max(exemplar.shape[:2])
     for number in range(passes):
@@ -88,12 +88,12 @@ def search_warm(
             jump: int = jump,
         ) -> None:
             search_kernels.search_near(
-                windows, exemplar, charge, flags, before, after, costs, step, jump, reach, seed, first, stop
+                windows, exemplar, charge, flags, before, after, distances, step, jump, reach, seed, first, stop
             )
 
         for_rows(band, rows, columns * 20 * windows.shape[2], work)
-    return field, costs
+    return field, distances
 
 
-def _flags(wanted: Flags | None, costs: Array) -> NDArray[np.uint8]:
-    return (np.ones(costs.shape, bool) if wanted is None else np.ascontiguousarray(wanted)).view(np.uint8)
+def _flags(wanted: Flags | None, distances: Array) -> NDArray[np.uint8]:
+    return (np.ones(distances.shape, bool) if wanted is None else np.ascontiguousarray(wanted)).view(np.uint8)

@@ -30,12 +30,12 @@ def distance(first, second):
     "const f4[:,:,:], const f4[:,:,:], const i4[:,:], const f4[:,:,:,:], const u1[:,:], i4[:,:,:], f4[:,:], i8, i8",
     fastmath={"contract", "reassoc", "nsz"},
 )
-def search_listed(windows, exemplar, places, charge, wanted, field, costs, first, stop):
+def search_listed(windows, exemplar, places, charge, wanted, field, distances, first, stop):
     """Best of the listed exemplar windows for each window: brute force. The first of equals wins.
 
     ``windows`` (rows, columns, k) and ``exemplar`` (h, w, k) are coordinates, ``places`` (n, 2) rows and columns of the
     exemplar, ``charge`` (a, b, h, w) is added to the squared distance, in each of a x b tiles of the windows another.
-    Written: ``field`` and ``costs`` of the ``wanted`` windows (rows, columns).
+    Written: ``field`` and squared ``distances`` of the ``wanted`` windows (rows, columns).
     """
     for row in range(first, stop):
         down_tile = row * charge.shape[0] // windows.shape[0]
@@ -52,7 +52,8 @@ def search_listed(windows, exemplar, places, charge, wanted, field, costs, first
                     best = cost
                     field[row, column, 0] = y
                     field[row, column, 1] = x
-            costs[row, column] = best
+            uncharged = best - charge[down_tile, right_tile, field[row, column, 0], field[row, column, 1]]
+            distances[row, column] = max(np.float32(0), uncharged)
 
 
 @kernel(
@@ -60,7 +61,7 @@ def search_listed(windows, exemplar, places, charge, wanted, field, costs, first
     "i8, i8, i8, u8, i8, i8",
     fastmath={"contract", "reassoc", "nsz"},
 )
-def search_near(windows, exemplar, charge, wanted, before, field, costs, step, jump, reach, seed, first, stop):
+def search_near(windows, exemplar, charge, wanted, before, field, distances, step, jump, reach, seed, first, stop):
     """One pass of PatchMatch in Jacobi form: reads the field ``before``, writes ``field``; the order does not matter.
 
     Candidates are the window's own source, the sources of the eight windows ``jump`` grid places away, shifted back,
@@ -117,4 +118,4 @@ def search_near(windows, exemplar, charge, wanted, before, field, costs, step, j
                 radius //= 4
             field[row, column, 0] = y
             field[row, column, 1] = x
-            costs[row, column] = best
+            distances[row, column] = max(np.float32(0), best - charge[down_tile, right_tile, y, x])

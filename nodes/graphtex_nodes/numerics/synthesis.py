@@ -220,25 +220,22 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, turn: 
     ``turn`` are the numbers of the stage and of its iteration.
     """
     grid, wanted = level.frame.grid, level.wanted
-    windows = level.basis.project(level.canvas, grid.step, work, wanted)
     chosen = slice(None) if wanted is None else wanted
-    standing = before.standing
-    if standing is None or turn[1] % evenness.lasting(level.share, level.allowed) == 0:
-        standing = _standing(level, windows, None if turn == (0, 0) else before.field, settings.evenness, work)
-    overuse = evenness.charge(
-        level.share, level.relief, before.field, before.mean,
-        evenness=settings.evenness, radius=grid.window // 2, allowed=level.allowed, wanted=wanted,
-    )  # fmt: skip
-    charge = standing if overuse is None else standing + overuse
+    fresh = before.standing is None or turn[1] % evenness.lasting(level.share, level.allowed) == 0
+    crowd = aside(partial(_crowd, level, before.field if fresh and turn != (0, 0) else None, settings.evenness), work)
+    overuse = aside(partial(_overuse, level, before, settings.evenness), work)
+    windows = level.basis.project(level.canvas, grid.step, work, wanted)
+    standing, crowded, more = before.standing, crowd(), overuse()
+    if fresh or standing is None:
+        standing = _standing(level, windows, crowded, settings.evenness, work)
+    charge = standing if more is None else standing + more
     if turn == (0, 0) or exact_cost(windows, level.features) <= EXACT_LIMIT:
-        field, costs = search_exact(windows, level.features, charge, work, wanted)
+        field, distances = search_exact(windows, level.features, charge, work, wanted)
     else:
-        field, costs = search_warm(
+        field, distances = search_warm(
             windows, level.features, charge, before.field,
             step=grid.step, seed=seed, passes=settings.passes, work=work, wanted=wanted,
         )  # fmt: skip
-    rows, columns = (np.arange(side) * n // side for side, n in zip(field.shape[:2], charge.shape[:2], strict=True))
-    distances = np.maximum(costs - charge[rows[:, None], columns, field[..., 0], field[..., 1]], 0)
     level.frame.wrap_windows(field)
     level.frame.wrap_windows(distances)
     squared = distances[chosen]
@@ -252,13 +249,31 @@ def _search(level: _Level, before: _Match, settings: Settings, seed: int, turn: 
     return _Match(field, weights, float(np.mean(squared, dtype=np.float64)), float(energy), standing)
 
 
-def _standing(level: _Level, windows: Array, field: Field | None, share: float, work: Work) -> Array:
+def _crowd(level: _Level, field: Field | None, share: float) -> Array | None:
+    """Charge for copies around where all windows look for a source and have one."""
+    if field is None or level.wanted is not None:
+        return None
+    return evenness.crowd(
+        field, level.features, level.share, level.relief, evenness=share, step=level.frame.grid.step,
+        allowed=level.allowed,
+    )  # fmt: skip
+
+
+def _overuse(level: _Level, before: _Match, share: float) -> Array | None:
+    """Charge of one turn."""
+    return evenness.charge(
+        level.share, level.relief, before.field, before.mean,
+        evenness=share, radius=level.frame.grid.window // 2, allowed=level.allowed, wanted=level.wanted,
+    )  # fmt: skip
+
+
+def _standing(level: _Level, windows: Array, crowd: Array | None, share: float, work: Work) -> Array:
     """Charge that may stand for some turns: infinite where nothing may be used, else 0 if only some windows look."""
     if level.wanted is not None:
         charge = np.zeros((1, 1, *level.share.shape), np.float32)
     else:
         charge = evenness.standing(
-            windows, level.features, level.share, level.relief, field,
+            windows, level.features, level.share, crowd,
             evenness=share, step=level.frame.grid.step, allowed=level.allowed, work=work,
         )  # fmt: skip
     if level.allowed is not None:
