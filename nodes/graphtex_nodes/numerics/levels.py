@@ -18,6 +18,8 @@ COARSEST = 16
 """Least side of an exemplar on the coarsest level, two windows."""
 RESOLVED = 2.0
 """Pixels that a period needs on the coarsest level: below, copies meet out of step there, and stay so."""
+LEAST_PERIODIC = 8
+"""Least side on the coarsest level of an exemplar with a period that is resolved there."""
 SEEN = 6
 """Distances over which pixels are related that a window of the coarsest level needs to see, and no more ..."""
 FEWEST = 3
@@ -27,6 +29,9 @@ SMALLEST = 4
 
 FINE = 2
 """Finest levels: they take most of the time, while coarser ones decide what is where."""
+
+MOST = 24
+"""Most iterations of a level, unless the user asks for more."""
 
 FEW = 64
 """Windows that a partly usable exemplar needs on a level: fewer would all be pasted over and over."""
@@ -49,6 +54,7 @@ def automatic_levels(exemplar: Array) -> int:
     As many as leave a side of :data:`COARSEST` pixels, so that windows see arrangements of half the exemplar: with
     fewer, large elements break and rare ones get lost. One less for a periodic exemplar whose period would not be
     resolved on the coarsest level: there a window of twice the side sees the same half of the exemplar, twice as sharp.
+    More, down to :data:`LEAST_PERIODIC` pixels, where it would still be resolved: lattices then join without faults.
     And no more than the exemplar's structure needs: where pixels are related over short distances only, as in grass,
     coarser levels arrange nothing and make pieces large, which then repeat.
     """
@@ -59,6 +65,8 @@ def automatic_levels(exemplar: Array) -> int:
     period, reach = structure(exemplar)
     if levels > 1 and 0 < period < RESOLVED * 2 ** (levels - 1):
         levels -= 1
+    while period >= RESOLVED * 2**levels and level_size(side, levels) >= LEAST_PERIODIC:
+        levels += 1
     while levels > FEWEST and WINDOW * 2 ** (levels - 2) >= SEEN * reach:
         levels -= 1
     return levels
@@ -76,9 +84,10 @@ def stages(shape: Sequence[int], levels: int, windows: Sequence[int], iterations
     """What to do in order: levels from coarse to fine, on each the windows from large to small.
 
     Without ``windows`` they are those of :data:`WINDOW`. The finest level has half of the ``iterations``: pieces are
-    cut anew after it, which makes up for more. The next one has one more than ``iterations`` and coarser ones two more
-    for each level, at most 12: there they cost little, and lattices need them. A level's windows share them. The finest
-    level uses the smallest window alone. A window is at most half the exemplar's smaller side on its level.
+    cut anew after it, which makes up for more. The next one has one more than ``iterations``, and coarser ones three
+    times as many for each level beyond it, at most :data:`MOST`: there they cost little, and decide whether elements
+    stay whole. A level's windows share them. The finest level uses the smallest window alone. A window is at most half
+    the exemplar's smaller side on its level.
     """
     result = []
     for level in range(levels - 1, -1, -1):
@@ -86,7 +95,7 @@ def stages(shape: Sequence[int], levels: int, windows: Sequence[int], iterations
         largest = max(side // 2, min(side, SMALLEST))
         chosen = windows or ((2 * WINDOW, WINDOW) if level == levels - 1 else (WINDOW,))
         sizes = sorted({min(window, largest) for window in chosen}, reverse=True)
-        count = min(max(12, iterations), iterations + level * min(level, 2))
+        count = iterations + level if level < FINE else min(max(MOST, iterations), 3 * iterations * (level - 1))
         if level == 0 and levels > 1:
             sizes, count = sizes[-1:], -(-count // 2)
         result += [Stage(level, size, -(-count // len(sizes))) for size in sizes]

@@ -78,6 +78,6 @@ class Effort(NamedTuple):
 
 EFFORT = {
     "default": Effort(1, 1, 2, 48, cut=True, moves=10),
-    "fast": Effort(2, 1, 1, 48, cut=False, moves=10),
-    "preview": Effort(0, 4, 1, 24, cut=False, moves=0),
+    "fast": Effort(2, 2, 1, 48, cut=False, moves=10),
+    "preview": Effort(0, 8, 1, 24, cut=False, moves=0),
 }

@@ -135,11 +135,11 @@ def optimize(
         mean.
     levels, windows
         By themselves: as many levels as leave 16 pixels of the exemplar's smaller side, less where a period would no
-        longer be seen and where pixels are related over short distances only; windows of 8 pixels, on the coarsest
-        level before them of 16.
+        longer be seen and where pixels are related over short distances only, and down to 8 pixels where a period is
+        seen there; windows of 8 pixels, on the coarsest level before them of 16.
     iterations
-        Half of them are on the finest level; the next one has one more than these, coarser ones two more for each
-        level, at most 12.
+        Half of them are on the finest level; the next one has one more than these, the third three times as many, and
+        coarser ones six times as many, up to 24.
     exponent, histogram, evenness, variance, detail
         r of the energy; gain of histogram matching; charge for windows used more often than others of their scale, in
         mean distances (on coarse levels firmness of prices at which all are used evenly); share of variance that PCA
@@ -164,9 +164,9 @@ def optimize(
         their directions are wanted; each takes as much memory as the exemplar. Without ``arrows`` a copy that stands
         on its head is the same.
     quality
-        ``fast`` halves the passes of a search, and the iterations on the two finest levels, and does not cut pieces
-        anew: about half the time. ``preview`` takes a tenth, and is coarse: it leaves a quarter of the iterations and
-        looks for nothing on the two finest levels, where it copies squares of 4 x 4 pixels.
+        ``fast`` halves the passes of a search and the iterations, and does not cut pieces anew: about half the time.
+        ``preview`` takes a tenth, and is coarse: it leaves an eighth of the iterations and looks for nothing on the two
+        finest levels, where it copies squares of 4 x 4 pixels.
 
     Returns
     -------

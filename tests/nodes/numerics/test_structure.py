@@ -28,7 +28,9 @@ def test_no_period(image):
     assert structure(image).period == 0
 
 
-@pytest.mark.parametrize(("image", "levels"), [(NOISE, 3), (chequers(16), 3), (chequers(40), 4), (NOISE[:9], 1)])
+@pytest.mark.parametrize(
+    ("image", "levels"), [(NOISE, 3), (chequers(16), 3), (chequers(40), 4), (chequers(48), 5), (NOISE[:9], 1)]
+)
 def test_automatic_levels(image, levels):
     assert automatic_levels(image) == levels
 
@@ -46,8 +48,9 @@ def test_most_levels():
 
 
 def test_stages_by_hand():
-    plan = stages((64, 200), 3, (16, 8), 4)
-    assert [(s.level, s.window, s.iterations) for s in plan] == [(2, 8, 8), (1, 16, 3), (1, 8, 3), (0, 8, 2)]
+    plan = stages((64, 200), 5, (16, 8), 4)
+    coarse = [(4, 4, 24), (3, 4, 24), (2, 8, 12)]
+    assert [(s.level, s.window, s.iterations) for s in plan] == [*coarse, (1, 16, 3), (1, 8, 3), (0, 8, 2)]
 
 
 def test_eased_stages():
