@@ -7,6 +7,7 @@ the number of threads. There is no numba threading layer: a plain pool calls ker
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from typing import Protocol, TypeVar
@@ -93,6 +94,16 @@ def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: W
     work
         ``work.check()`` is called between bands, on the calling thread.
     """
+    with begun_rows(task, rows, cost, work) as finish:
+        finish()
+
+
+@contextmanager
+def begun_rows(task: Callable[[int, int], object], rows: int, cost: float, work: Work) -> Iterator[Callable[[], None]]:
+    """:func:`for_rows` in two steps: idle threads begin at once, the function that is given does what is left.
+
+    In between the caller may do something else that reads and writes nothing that a band writes or reads.
+    """
     band = max(1, min(rows, int(SLICE / max(cost, 1.0))))
     helpers = work.threads - 1 if rows * cost > WORTH_THREADS else 0
     if helpers:
@@ -100,7 +111,8 @@ def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: W
     left = iter(range(0, rows, band))  # advancing a range is one step under the GIL: each band is taken once
     helpers = min(helpers, -(-rows // band) - 1)
     others = [_pool().submit(_take, task, left, band, rows) for _ in range(helpers)]
-    try:
+
+    def finish() -> None:
         for first in left:
             work.check()
             task(first, min(first + band, rows))
@@ -108,7 +120,10 @@ def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: W
             if not other.cancel():
                 other.result()
         work.check()
-    finally:  # nobody writes rows any more when this returns, whatever was raised
+
+    try:
+        yield finish
+    finally:  # nobody writes rows any more after this, whatever was raised
         for _ in left:
             pass
         wait([other for other in others if not other.cancel()])

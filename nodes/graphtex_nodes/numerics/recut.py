@@ -1,6 +1,7 @@
 """Large pieces that take over the scraps between them, with seams along minimum cuts (Kwatra et al. 2003)."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex_nodes.numerics import cut_kernels
-from graphtex_nodes.numerics.parallel import Work, for_rows
+from graphtex_nodes.numerics.parallel import Work, begun_rows
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 Flags = NDArray[np.bool_]
+
+Box = tuple[int, int, int, int]
+"""First row, the one behind the last, first column and the one behind the last."""
 
 SIDES = ((4, 2, 64), (2, 1, 6))
 """Blocks: their side, every how many pixels costs are looked at, and how far a piece may grow; all in pixels."""
@@ -118,30 +122,56 @@ def _grow(
     side, step, reach = blocks
     number, ends = np.empty(free.shape, np.int32), np.empty((2 * free.size, 2), np.int32)
     terms, caps, counts = np.empty((free.size, 2)), np.empty(2 * free.size), np.zeros(2, np.int64)
-    present, grown = np.full((*free.shape, 3), -1, np.float32), np.empty((*free.shape, 5), np.float32)
+    # one more row and column, where the neighbours to the left of the first column and above the first row would be
+    present = np.full((free.shape[0] + 1, free.shape[1] + 1, 3), -1, np.float32)
+    grown = np.empty((*free.shape, 5), np.float32)
     weights = costs.pull, np.float32(costs.join), np.float32(costs.busy)
     flags, open_ = known.view(np.uint8), free.view(np.uint8)
-    for piece, box in _largest(pieces, max(1, LEAST // side**2), -(-reach // side)):
-        above, inside = max(0, box[0] - 1), (slice(box[0], box[1]), slice(box[2], box[3]))
-        where = np.array(box)
 
-        def band(
-            first: int, stop: int, piece: Sequence[int] = piece, where: NDArray[Any] = where, top: int = above
-        ) -> None:
+    def begun(piece: Sequence[int], box: Box) -> AbstractContextManager[Callable[[], None]]:
+        above, where = max(0, box[0] - 1), np.array(box)
+
+        def band(first: int, stop: int) -> None:
             cut_kernels.growth_costs(
                 exemplar, usable, image, flags, pieces, open_, *piece, where, side, step, *weights, present, grown,
-                top + first, top + stop,
+                above + first, above + stop,
             )  # fmt: skip
 
-        for_rows(band, box[1] - above, (box[3] - box[2]) * (side // step) ** 2 * 100, work)
-        cut_kernels.growth_graph(pieces, open_, *piece, where, present, grown, number, terms, ends, caps, counts)
+        return begun_rows(band, box[1] - above, (box[3] - box[2]) * (side // step) ** 2 * 100, work)
+
+    def cut(piece: Sequence[int], box: Box) -> None:
+        cut_kernels.growth_graph(
+            pieces, open_, *piece, np.array(box), present, grown, number, terms, ends, caps, counts
+        )
         nodes, edges = counts.tolist()
         if nodes:
+            inside = slice(box[0], box[1]), slice(box[2], box[3])
             taken = np.append(_minimum_cut(terms[:nodes], ends[:edges], caps[:edges]), False)[number[inside]]
             pieces[inside][taken] = piece
             rows, columns = np.nonzero(taken)
             rows, columns = rows + box[0], columns + box[2]
             present[rows, columns] = present[rows, columns - 1, 1] = present[rows - 1, columns, 2] = -1
+
+    turns, shifts = _largest(pieces, max(1, LEAST // side**2), -(-reach // side)), pieces.reshape(-1, 2)
+    waiting: tuple[Sequence[int], Box] | None = None  # whose costs are known, and that is still to be cut
+    for first, box in turns:
+        if waiting and not _apart(waiting[1], box):
+            cut(*waiting)
+            waiting = None
+        piece = shifts[first].tolist()
+        with begun(piece, box) as finish:
+            if waiting:
+                cut(*waiting)
+            finish()
+        waiting = piece, box
+    if waiting:
+        cut(*waiting)
+
+
+def _apart(one: Box, other: Box) -> bool:
+    """Whether the first piece's cut changes nothing that the costs of the other one are found from."""
+    gaps = other[0] - one[1], one[0] - other[1], other[2] - one[3], one[2] - other[3]
+    return max(gaps) > 1
 
 
 def _minimum_cut(terms: NDArray[np.float64], ends: Field, caps: NDArray[np.float64]) -> Flags:
@@ -210,10 +240,10 @@ def _labels(pieces: Field) -> NDArray[np.int32]:
     return labels
 
 
-def _largest(pieces: Field, least: int, reach: int) -> Iterator[tuple[list[int], tuple[int, int, int, int]]]:
-    """Shifts of the pieces of at least so many blocks, the largest first, and a box of blocks ``reach`` around each.
+def _largest(pieces: Field, least: int, reach: int) -> list[tuple[int, Box]]:
+    """A block of each piece of at least so many, the largest piece first, and the box ``reach`` around the piece.
 
-    Pieces may change between one and the next: one that was taken over has lost its turn to what is in its place.
+    Pieces may change before their turn comes: one that was taken over has lost it to what is in its place.
     """
     from scipy.ndimage import find_objects
 
@@ -226,9 +256,15 @@ def _largest(pieces: Field, least: int, reach: int) -> Iterator[tuple[list[int],
     place[order] = np.arange(1, order.size + 1)
     first = np.empty(area.size, np.intp)
     first[labels.ravel()[::-1]] = np.arange(labels.size)[::-1]  # of all that are written to one place the last stays
-    present = pieces.reshape(-1, 2)
-    for number, (down, right) in zip(order, find_objects(place[labels]), strict=True):
-        yield present[first[number]].tolist(), (
-            max(0, down.start - reach), min(rows, down.stop + reach),
-            max(0, right.start - reach), min(columns, right.stop + reach),
-        )  # fmt: skip
+    return [
+        (
+            int(first[number]),
+            (
+                max(0, down.start - reach),
+                min(rows, down.stop + reach),
+                max(0, right.start - reach),
+                min(columns, right.stop + reach),
+            ),
+        )
+        for number, (down, right) in zip(order, find_objects(place[labels]), strict=True)
+    ]

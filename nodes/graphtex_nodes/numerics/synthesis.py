@@ -15,7 +15,7 @@ from graphtex_nodes.numerics.levels import Stage
 from graphtex_nodes.numerics.parallel import Alone, Work, aside
 from graphtex_nodes.numerics.problem import Array, Field, Flags, Given, Problem, Result, Settings, pyramids
 from graphtex_nodes.numerics.search import EXACT_LIMIT, exact_cost, search_exact, search_warm
-from graphtex_nodes.numerics.voting import robust_weights, vote_mean, vote_source, window_falloff
+from graphtex_nodes.numerics.voting import robust_weights, vote_mean, vote_source, weighted_pixels, window_falloff
 from graphtex_nodes.numerics.windows import Basis, principal_basis
 
 FADING = 0.25
@@ -26,10 +26,11 @@ LEAST = 0.05
 
 @dataclass(frozen=True)
 class _Windows:
-    """Principal components of the exemplar's windows, and what share of a charge each pays (h, w)."""
+    """What is known of the exemplar on a level: components of its windows, what share of a charge each pays (h, w)."""
 
     basis: Basis
     relief: Array
+    histograms: Histograms
 
 
 @dataclass(frozen=True)
@@ -57,10 +58,11 @@ class _Level:
     known: Flags | None
     trust: Array | None
 
-    def pixel_weights(self, gain: float) -> Array:
-        """Weights of the exemplar's pixels in a vote, by what the canvas holds too much of (equation 8)."""
+    def weighted(self, gain: float) -> Array:
+        """The exemplar's pixels with weights in a vote, by what the canvas holds too much of (equation 8)."""
         counted = None if self.known is None or self.known.all() else ~self.known
-        return self.histograms.pixel_weights(self.canvas, gain, counted)
+        weights = self.histograms.pixel_weights(self.canvas, gain, counted)
+        return weighted_pixels(self.exemplar[..., : self.voted], weights)
 
 
 @dataclass(frozen=True)
@@ -105,13 +107,13 @@ def synthesise(
             field = level.nearest[field[..., 0], field[..., 1]]
         match = _Match(field, np.ones(field.shape[:2], np.float32), 0.0, 0.0)
         if before is not None or problem.start is None or problem.known is not None:
-            _vote(level, match, level.pixel_weights(0.0), work)
+            _vote(level, match, level.weighted(0.0), work)
         for iteration in range(stage.iterations):
             draw = int(np.random.SeedSequence([seed, number, iteration]).generate_state(1, np.uint64)[0])
-            weights = aside(partial(level.pixel_weights, settings.histogram), work)
+            weighted = aside(partial(level.weighted, settings.histogram), work)
             match = _search(level, match, settings, draw, (number, iteration), work)
             energies.append(match.energy)
-            _vote(level, match, weights(), work)
+            _vote(level, match, weighted(), work)
             done += 4.0**-at / total
             work.progress(min(1.0, done), f"level {levels - at} of {levels}")
         before = match.field, level.frame, at
@@ -127,11 +129,12 @@ def _windows(problem: Problem, settings: Settings, stage: Stage, given: Given, w
     """What a stage knows of the exemplar's windows; nothing where none is looked for, as what was found is copied."""
     window = stage.window
     colours, channels = problem.exemplar.shape[2], given.exemplar.shape[2]
+    counted = slice(None) if given.usable is None else given.usable
+    histograms = Histograms(given.exemplar[..., : problem.voted], given.importance, counted)
     if stage.iterations == 0:
         shape = [side - window + 1 for side in given.exemplar.shape[:2]]
-        return _Windows(
-            Basis(window, np.zeros((0, 0), np.float32), np.zeros(0, np.float32)), np.ones(shape, np.float32)
-        )
+        basis = Basis(window, np.zeros((0, 0), np.float32), np.zeros(0, np.float32))
+        return _Windows(basis, np.ones(shape, np.float32), histograms)
     groups = [(slice(0, channels if settings.joint else colours), settings.detail)]
     if channels > colours and not settings.joint:
         groups.append((slice(colours, channels), 0.0))
@@ -140,7 +143,7 @@ def _windows(problem: Problem, settings: Settings, stage: Stage, given: Given, w
     basis = principal_basis(
         given.exemplar, window, groups, settings.variance, work, allowed, weights, settings.directions
     )
-    return _Windows(basis, evenness.local_relief(given.exemplar[..., :colours], window))
+    return _Windows(basis, evenness.local_relief(given.exemplar[..., :colours], window), histograms)
 
 
 def _open(
@@ -165,7 +168,6 @@ def _open(
         features = windows.basis.project(exemplar, 1, work, allowed)
     else:
         features = np.zeros((*(side - window + 1 for side in exemplar.shape[:2]), 0), np.float32)
-    counted = slice(None) if given.usable is None else given.usable
     return _Level(
         exemplar=exemplar,
         canvas=canvas,
@@ -175,7 +177,7 @@ def _open(
         features=features,
         share=np.maximum(_centres(given.importance, window), 1e-3),
         relief=windows.relief,
-        histograms=Histograms(exemplar[..., : problem.voted], given.importance, counted),
+        histograms=windows.histograms,
         falloff=window_falloff(window, settings.falloff),
         allowed=allowed,
         nearest=None if allowed is None else nearest_places(allowed),
@@ -281,12 +283,11 @@ def _standing(level: _Level, windows: Array, crowd: Array | None, share: float, 
     return charge
 
 
-def _vote(level: _Level, match: _Match, pixel_weights: Array, work: Work) -> None:
+def _vote(level: _Level, match: _Match, weighted: Array, work: Work) -> None:
     """Fill the canvas with the weighted mean of what the windows propose (equations 7 and 8)."""
     vote_mean(
-        match.field, match.weights, level.exemplar, pixel_weights, level.falloff, level.frame.grid.step, level.canvas,
-        level.voted, work, level.known,
-    )  # fmt: skip
+        match.field, match.weights, weighted, level.falloff, level.frame.grid.step, level.canvas, work, level.known
+    )
     level.frame.wrap_canvas(level.canvas)
 
 

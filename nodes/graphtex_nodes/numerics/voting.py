@@ -31,25 +31,31 @@ def window_falloff(window: int, sharpness: float) -> Array:
     return np.outer(line, line).astype(np.float32)
 
 
+def weighted_pixels(exemplar: Array, weights: Array) -> Array:
+    """Pixels of an exemplar (h, w, c) times their weights (h, w), with the weights as one more channel."""
+    channels = exemplar.shape[2]
+    weighted = np.empty((*weights.shape, channels + 1), np.float32)
+    np.multiply(exemplar, weights[..., None], out=weighted[..., :channels])
+    weighted[..., channels] = weights
+    return weighted
+
+
 def vote_mean(
-    field: Field, weights: Array, exemplar: Array, pixel_weights: Array, falloff: Array, step: int, image: Array,
-    channels: int, work: Work, known: NDArray[np.bool_] | None = None,
+    field: Field, weights: Array, weighted: Array, falloff: Array, step: int, image: Array, work: Work,
+    known: NDArray[np.bool_] | None = None,
 ) -> None:  # fmt: skip
     """Write the weighted mean of what the covering windows propose into the first channels of ``image``.
 
-    ``field`` (rows, columns, 2) and ``weights`` (rows, columns) belong to the windows, ``pixel_weights`` (h, w) to the
-    pixels of ``exemplar`` (h, w, c), ``falloff`` (n, n) to the places in a window. Pixels that are
-    ``known`` (h, w) stay; None = none.
+    ``field`` (rows, columns, 2) and ``weights`` (rows, columns) belong to the windows, ``falloff`` (n, n) to the places
+    in a window; ``weighted`` (h, w, channels + 1) are :func:`weighted_pixels`. Pixels that are ``known`` (h, w) stay;
+    None = none.
     """
     flags = _flags(known, image)
-    weighted = np.empty((*pixel_weights.shape, channels + 1), np.float32)
-    np.multiply(exemplar[..., :channels], pixel_weights[..., None], out=weighted[..., :channels])
-    weighted[..., channels] = pixel_weights
 
     def band(first: int, stop: int) -> None:
         vote_kernels.vote_mean(field, weights, weighted, falloff, step, flags, image, first, stop)
 
-    for_rows(band, image.shape[0], image.shape[1] * (len(falloff) / step) ** 2 * (1 + channels) / 4, work)
+    for_rows(band, image.shape[0], image.shape[1] * (len(falloff) / step) ** 2 * weighted.shape[2] / 4, work)
 
 
 def vote_source(

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from graphtex import Context
-from graphtex_nodes.numerics.voting import robust_weights, vote_mean, vote_source, window_falloff
+from graphtex_nodes.numerics.voting import robust_weights, vote_mean, vote_source, weighted_pixels, window_falloff
 
 RNG = np.random.default_rng(9)
 
@@ -17,7 +17,8 @@ def test_agreeing_windows_copy():
     field = shifted_field(4, 5, 2, down=3, right=1)
     image = np.empty((10, 12, 2), np.float32)
     weights = RNG.random((4, 5)).astype(np.float32) + 0.1
-    vote_mean(field, weights, exemplar, np.ones((20, 20), np.float32), window_falloff(4, 1.0), 2, image, 2, Context())
+    weighted = weighted_pixels(exemplar, np.ones((20, 20), np.float32))
+    vote_mean(field, weights, weighted, window_falloff(4, 1.0), 2, image, Context())
     np.testing.assert_allclose(image, exemplar[3:13, 1:13], atol=1e-6)
     source = vote_source(field, weights, exemplar, window_falloff(4, 1.0), 2, image, Context())
     np.testing.assert_array_equal(source, shifted_field(10, 12, 1, 3, 1))
@@ -31,7 +32,9 @@ def test_weighted_mean_by_hand():
     pixel_weights = np.array([[0.5, 1, 1], [0.5, 1, 1]], np.float32)
     image = np.full((2, 3, 1), -1, np.float32)
     weights = np.array([[1, 3]], np.float32)
-    vote_mean(field, weights, exemplar, pixel_weights, np.ones((2, 2), np.float32), 1, image, 1, Context())
+    vote_mean(
+        field, weights, weighted_pixels(exemplar, pixel_weights), np.ones((2, 2), np.float32), 1, image, Context()
+    )
     np.testing.assert_allclose(image[0, :, 0], [0, 8 * 1 / (1 + 1.5), 8])
 
 
@@ -40,7 +43,7 @@ def test_guide_channel_stays():
     field = np.zeros((1, 1, 2), np.int32)
     exemplar = np.ones((4, 4, 2), np.float32)
     ones = np.ones((4, 4), np.float32)
-    vote_mean(field, np.ones((1, 1), np.float32), exemplar, ones, ones, 1, image, 1, Context())
+    vote_mean(field, np.ones((1, 1), np.float32), weighted_pixels(exemplar[..., :1], ones), ones, 1, image, Context())
     assert (image[..., 0] == 1).all()
     assert (image[..., 1] == 7).all()
 
