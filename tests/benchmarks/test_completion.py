@@ -58,7 +58,34 @@ def test_size_error_tells_large_elements_from_right_ones(cases):
     right, large, smear = (
         completion.size_error(picture, case) for picture in (case.picture, shifted(case, -45, 140), plain)
     )
-    assert 10 * right < large < smear
+    assert 5 * right < large < smear
+
+
+def test_size_of_a_chequered_pattern_by_hand():
+    """Squares of 4 x 6 pixels: in 12 x 12 pixels 2 crossings for each of 12 columns, 1 for each of 12 rows."""
+    rows, columns = np.mgrid[:12, :12]
+    squares = ((rows // 4 + columns // 6) % 2).astype(np.float32)[..., None]
+    inside, level = np.ones((12, 12), bool), np.full((1, 12, 1, 1), 0.5)
+    wanted = np.sqrt((12 * 11 / (2 * 12)) * (12 * 11 / 12))
+    assert completion.element_size(squares, inside, level) == pytest.approx(wanted)
+    assert completion.element_size(np.zeros_like(squares), inside, level) == float("inf")
+
+
+def test_size_error_does_not_see_sharpness(cases):
+    """The truth moved by half a pixel has all sizes right. Without smoothing it would be worse than wrong sizes."""
+
+    def error(picture_of, **smooth):
+        return np.mean([completion.size_error(picture_of(case), case, **smooth) for case in cases])
+
+    def moved(case):
+        right = (case.picture + np.roll(case.picture, 1, axis=1)) / 2
+        return (right + np.roll(right, 1, axis=0)) / 2
+
+    def wrong(case):
+        return shifted(case, -45, 140)
+
+    assert 8 * error(moved) < error(wrong)
+    assert error(moved, smooth=0.0) > error(wrong, smooth=0.0)
 
 
 def test_distance_is_zero_for_the_truth_and_counts_blur(cases):
