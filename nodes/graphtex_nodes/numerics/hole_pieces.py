@@ -32,7 +32,7 @@ OUTLINE = 0.5
 """Differences at a seam that are bent away by half, likewise."""
 NONE = 1e4
 """Cost of a pixel of the hole without source: above that of any seam."""
-ANCHORS, BEST, MOST = 17, 3, 40
+ANCHORS, BEST, MOST = 33, 3, 48
 """Places along the hole's border, moves of each of them, and moves of all together, from which the cut chooses."""
 SEARCHED, CUT = 150_000, 4_000
 """Pixels of the reduced picture in which moves are looked for, and of the hole in the one where it is cut first."""
@@ -78,7 +78,10 @@ def _any(mask: Array) -> Array:
 
 
 def choose(level: Level, slopes: Sequence[Slope], log_scale: Array | None, work: Work) -> list[Fit]:
-    """The best moves of a picture with the log2 of its texel scale (h, w), over planes of several slopes."""
+    """The best moves of a picture with the log2 of its texel scale (h, w), over planes of several slopes.
+
+    The best of each anchor come first: among smooth parts of a picture many moves fit, and would leave none for others.
+    """
     found: list[Fit] = []
     for slope in slopes:
         sheet = laid_flat(slope, level)
@@ -89,13 +92,17 @@ def choose(level: Level, slopes: Sequence[Slope], log_scale: Array | None, work:
     distinct: dict[Move, Fit] = {}
     for fit in sorted(found, key=lambda fit: fit.cost):
         distinct.setdefault(fit.move, fit)
-    return list(distinct.values())[:MOST]
+    first: dict[int, Fit] = {}
+    for fit in distinct.values():
+        first.setdefault(fit.anchor, fit)
+    return sorted(distinct.values(), key=lambda fit: first[fit.anchor] is not fit)[:MOST]
 
 
 def fill(levels: Sequence[Level], found: Sequence[Fit], searched: int, work: Work) -> Pieces:
     """The hole of the first level filled; ``found`` are moves of the one numbered ``searched``.
 
-    Down to that one all moves may be chosen anywhere; on finer ones seams move only a little.
+    Down to that one moves may be chosen anywhere; on finer ones seams move only a little. What was chosen nowhere in a
+    halving is not tried in the picture itself.
     """
     labels = np.full(levels[-1].hole.shape, -1)
     for number in range(len(levels) - 1, -1, -1):
@@ -104,10 +111,12 @@ def fill(levels: Sequence[Level], found: Sequence[Fit], searched: int, work: Wor
         if number < len(levels) - 1:
             labels = labels.repeat(2, axis=0).repeat(2, axis=1)[: level.hole.shape[0], : level.hole.shape[1]]
             labels[~level.region] = -1
+            if number < max(1, searched):
+                used, at = np.unique(labels[labels >= 0], return_inverse=True)
+                labels[labels >= 0] = at
+                found = [found[label] for label in used]
         if number < searched:
-            used, at = np.unique(labels[labels >= 0], return_inverse=True)
-            labels[labels >= 0] = at
-            found = [_finer(found[label], level, views) for label in used]
+            found = [_finer(fit, level, views) for fit in found]
         here = [replace(fit, move=fit.move.halved(max(0, number - searched))) for fit in found]
         labels = _cut(level, views, here, labels, number < searched, work)
         work.progress(1 - number / len(levels), "cutting pieces")
