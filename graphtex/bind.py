@@ -108,5 +108,7 @@ def bind_inputs(
         except ValueError as error:
             text = str(error)
             at_default = graph.problem(("inputs", name, "default"), text)
+            if given and kind.description:  # what the graph's author says of it may tell what to give instead
+                text = f"{text} ({kind.description})"
             problems.append(Problem("", 0, 0, name, text) if given else at_default)
     return bound, problems

@@ -43,6 +43,13 @@ def ran(graph: gt.Graph, inputs: dict[str, object], cache: Path) -> tuple[gt.Run
     return gt.run(graph, inputs, cache=cache, emit=note), started
 
 
+def test_a_picture_in_place_of_a_texture_is_told_which_graph_takes_it(tmp_path: Path):
+    picture = tmp_path / "dots.png"
+    save_image(sample_texture(name="leaves").image, picture)
+    with pytest.raises(ValueError, match="splicing/splice-pictures takes plain pictures"):
+        gt.run(gt.load(FOLDER / "splice.yaml"), {"elements": picture}, cache=None)
+
+
 def test_another_arrangement_uses_what_was_made(tmp_path: Path):
     """Extension, factors and similar pixels of another size are of the elements alone."""
     graph = gt.load(FOLDER / "splice.yaml")

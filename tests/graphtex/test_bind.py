@@ -320,6 +320,14 @@ def test_all_that_is_wrong_with_the_given_values_is_told(values, problems):
     assert all(start in text for text, start in zip(got, problems, strict=True))
 
 
+def test_what_an_input_is_for_is_told_with_what_is_wrong():
+    """The graph's author can say what to take instead; a fault of the file's own default needs no such help."""
+    inputs = "  picture: {type: Image, description: a photograph; other/graph takes models}\n"
+    g = graph("  a: {node: Add, image: $picture, amount: 1}", inputs)
+    (got,) = told(lambda: bind(g, {"picture": "a.nix"}))
+    assert got.endswith("(a photograph; other/graph takes models)")
+
+
 @pytest.mark.parametrize("folder", [False, True])
 def test_what_may_not_be_read_is_told_before_anything_runs(tmp_path, monkeypatch, folder):
     """Of root nothing is kept back: the error of the system is made by hand."""

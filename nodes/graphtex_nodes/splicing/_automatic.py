@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from graphtex import Elements
 from graphtex_nodes.splicing._detection import Detection, Search
+from graphtex_nodes.splicing._doubts import trust
 from graphtex_nodes.splicing._nearness import common_offset
 from graphtex_nodes.splicing._packed import outline_fit, touching
 from graphtex_nodes.splicing._partitions import LARGEST_SHARE, LEAST_COUNT, Even, Parts, even_and_small, partitions
@@ -53,6 +54,18 @@ def choose(image: Array, search: Search) -> Choice | None:
     size where the parts have not. They have no angles.
     """
     even = even_and_small(image)
+    choice = _chosen(even, search)
+    if choice is None:
+        return None
+    kept = _likely(choice.found.poses, choice.floor)
+    width, height = (float(np.mean([getattr(e, side) for e in choice.examples])) for side in ("width", "height"))
+    elements = Elements(kept.points / even.step, kept.angles, kept.scales)
+    share = trust(even.picture, elements, kept.scores, width / even.step, height / even.step)
+    return replace(choice, confidence=share * choice.confidence)
+
+
+def _chosen(even: Even, search: Search) -> Choice | None:
+    """The better of what looks alike and of parts that stand apart."""
     divided = partitions(even)
     alike = _alike(even, divided, search)
     alike = None if alike is None else _centred(alike, even)

@@ -89,7 +89,9 @@ class Cutter:
                 f"{'only' if mask.all() else 'no'} foreground; mark some of both by foreground, background or strokes"
             )
         if lost > LOST:
-            ctx.warn(f"{lost:.0%} of the elements came out as background; mark some of both by strokes")
+            ctx.warn(
+                f"{lost:.0%} of the elements came out as background; give all elements, or mark some of both by strokes"
+            )
         return mask
 
     def _features(self, pixels: Array) -> Array:

@@ -86,8 +86,9 @@ def find_textons(
     similarity
         Shape (h, w, 1): the best correlation at each pixel; enlarged where it was searched at a lower resolution.
     confidence
-        In automatic mode how well the elements explain the picture or the parts stand apart, 0 to 1: noise has up to
-        0.4, and there is a warning below 0.5. With examples the mean score.
+        In automatic mode how well the elements explain the picture or the parts stand apart, 0 to 1; less where much
+        of what changes in the picture lies off them, where it has stripes without ends, and where their scores differ.
+        Noise has up to 0.4, and there is a warning below 0.5. With examples the mean score.
 
     Raises
     ------
@@ -122,7 +123,10 @@ def find_textons(
             )
         given, found, floor, confidence = choice.examples, choice.found, choice.floor, choice.confidence
         if confidence < DOUBTFUL:
-            ctx.warn(f"confidence {confidence:.2f}: these may not be the elements; better give one in examples")
+            ctx.warn(
+                f"confidence {confidence:.2f}: these may not be the elements; if they are not, give one in "
+                f"examples: x and y of its centre, width and height, in pixels"
+            )
     poses = found.poses.take(found.poses.scores >= (floor if least_score is None else least_score))
     if not len(poses.points):
         raise ValueError(f"least_score: expected at least one element, got none with a score of {least_score}")

@@ -1,0 +1,47 @@
+"""Signs that what was found without help is not what a texture is made of."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphtex import Elements
+from graphtex_nodes.splicing._nearness import distances
+
+Array = NDArray[Any]
+
+AROUND = 1.25  # times an element's half sizes: its outline lies within
+EXPLAINED = 0.8  # share of all changes of colour that right elements have in and around them at least
+DIRECTED = 0.75  # how much changes of brightness have one direction: bricks have 0.5, stripes 1
+UNEVEN = 0.08  # deviation of scores of elements that are alike
+
+
+def trust(image: Array, elements: Elements, scores: Array, width: float, height: float) -> float:
+    """What a confidence is to be multiplied by, 0 to 1, for elements found in a picture (h, w, c).
+
+    It falls where much of what changes in the picture lies off the elements, as where some of them, or parts of them,
+    were taken for all; where the picture has stripes and no ends to them; and where some are much less alike.
+    """
+    return float(
+        min(1.0, _explained(image, elements, width, height) / EXPLAINED) ** 2
+        * np.clip((1 - _directed(image, min(width, height))) / (1 - DIRECTED), 0, 1)
+        * min(1.0, UNEVEN / max(float(scores.std()), 1e-9))
+    )
+
+
+def _explained(image: Array, elements: Elements, width: float, height: float) -> float:
+    """Share of the changes of colour that lies in and around the elements."""
+    from scipy.ndimage import gaussian_gradient_magnitude
+
+    change = np.sqrt(sum(gaussian_gradient_magnitude(channel, 1.0) ** 2 for channel in np.moveaxis(image, -1, 0)))
+    near = distances(image.shape[:2], elements, width, height)[1] < AROUND
+    return float(change[near].sum() / max(change.sum(), 1e-9))
+
+
+def _directed(image: Array, size: float) -> float:
+    """Coherence of the structure tensor of the whole picture: 0 for changes in all directions, 1 for stripes."""
+    from scipy.ndimage import gaussian_filter
+
+    down, across = np.gradient(gaussian_filter(image.mean(axis=2), max(size / 4, 0.7)))
+    vertical, horizontal, mixed = (float((a * b).mean()) for a, b in ((down, down), (across, across), (down, across)))
+    return float(np.hypot(horizontal - vertical, 2 * mixed) / max(horizontal + vertical, 1e-12))
