@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import spearmanr
 
-from benchmarks import marked
+from benchmarks import marked, rendered
 from benchmarks.figures import Figure
 from benchmarks.wholeness import cores, cut_share
 from graphtex_nodes import (
@@ -65,6 +65,7 @@ def figures(pictures: Path | None, textures: Path | None = None) -> Iterator[Fig
     """Measure the analysis on many poses, syntheses of three planes of each kind, and a folder's marked photographs."""
     yield from analysis()
     if textures is not None:
+        yield from rendered.figures(textures)
         yield from marked.figures(pictures, textures)
     for name, (kind, tilt) in SYNTHESISED.items():
         yield from synthesis(name, [plane(kind, tilt, seed) for seed in SEEDS], pictures)

@@ -160,7 +160,7 @@ def _finite(path: Path, picture: Floats, nonfinite: NonFinite) -> Floats:
         return picture
     if nonfinite == "refuse":
         found = f"{np.count_nonzero(bad)} of {bad.size} samples are NaN or infinite"
-        raise ValueError(f"{path}: {found}; LoadImage with `nonfinite: zero` sets them to 0")
+        raise ValueError(f"{path}: {found}; `nonfinite: zero`, of LoadImage or in an input's `open`, sets them to 0")
     return np.where(bad, np.float32(0), picture)
 
 
