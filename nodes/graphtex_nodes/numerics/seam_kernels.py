@@ -105,6 +105,8 @@ def move_seams(exemplar, usable, image, source, changed, pull, join, busy, parit
                     changed[y + down, x + right] = 1
 
 
+RADIUS = 2
+"""Pixels over which pieces fade into each other: ``seam_neighbours.RADIUS``, here for loops of known length."""
 NOTHING = np.int64(-(2**63))
 """Number of no piece: outside, and where pixels are known."""
 
@@ -130,15 +132,15 @@ def number_pieces(source, y, line):
 def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
     """Mix the pieces that meet near a pixel, each continued up to it; inside a piece the exemplar's pixels are copied.
 
-    ``exemplar`` and ``image`` have the channels of each pixel side by side in their rows, ``falloff``
-    (2 r + 1, 2 r + 1) are the weights of the pixels around, ``seams`` (h, w) the pixels beside a seam.
+    ``exemplar`` and ``image`` have the channels of each pixel side by side in their rows, ``falloff`` are
+    the weights of the pixels around, up to :data:`RADIUS` away, ``seams`` (h, w) the pixels beside a seam.
     Unlike a blur, this keeps the detail of each piece. Pieces that cannot be continued up to the pixel are left out.
     Known pixels, whose source is negative, become 0.
     """
     height, width = source.shape[0], source.shape[1]
     channels = image.shape[1] // width
-    side = falloff.shape[0]
-    radius = side // 2
+    radius = RADIUS
+    side = 2 * radius + 1
     near = np.zeros(width + 2 * radius, np.uint8)
     close = np.zeros(width, np.uint8)
     lines = np.empty((side, width + 2 * radius), np.int64)  # of rows y - radius to y + radius, in the order of ``rows``

@@ -9,7 +9,7 @@ from graphtex_nodes.numerics import membrane, seam_kernels
 from graphtex_nodes.numerics.parallel import Work, for_rows
 from graphtex_nodes.numerics.problem import Problem, Result
 from graphtex_nodes.numerics.recut import Costs, recut
-from graphtex_nodes.numerics.seam_neighbours import RADIUS
+from graphtex_nodes.numerics.seam_kernels import RADIUS
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
@@ -58,7 +58,7 @@ def finish(
     if passes:
         source = move_seams(exemplar, usable, around(result.image), around(source), costs, passes, work)[inside]
     if fade:
-        image = fade_seams(exemplar, usable, around(source), radius=RADIUS, channels=colours, work=work)[inside]
+        image = fade_seams(exemplar, usable, around(source), channels=colours, work=work)[inside]
     else:
         image = problem.exemplar[source[..., 0], source[..., 1]]
     source, image = np.ascontiguousarray(source), np.ascontiguousarray(image)
@@ -122,14 +122,12 @@ def seam_pixels(source: Field, work: Work) -> NDArray[np.uint8]:
     return flags
 
 
-def fade_seams(
-    exemplar: Array, usable: NDArray[np.uint8], source: Field, *, radius: int, channels: int, work: Work
-) -> Array:
-    """Image (h, w, channels) of a source map in which pieces fade into each other over about ``radius`` pixels.
+def fade_seams(exemplar: Array, usable: NDArray[np.uint8], source: Field, *, channels: int, work: Work) -> Array:
+    """Image (h, w, channels) of a source map in which pieces fade into each other over about :data:`RADIUS` pixels.
 
-    Pixels farther than ``radius`` from a seam are the exemplar's own. Known pixels (negative source) are 0.
+    Pixels farther than that from a seam are the exemplar's own. Known pixels (negative source) are 0.
     """
-    place = np.arange(-radius, radius + 1) / max(1, radius)
+    place = np.arange(-RADIUS, RADIUS + 1) / RADIUS
     line = np.exp(-2 * place**2)
     falloff = np.outer(line, line).astype(np.float32)
     colours = np.ascontiguousarray(exemplar[..., :channels]).reshape(len(exemplar), -1)

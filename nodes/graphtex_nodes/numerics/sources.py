@@ -106,7 +106,8 @@ def coherence(source: NDArray[Any]) -> float:
     """
     rows, columns = source[..., 0], source[..., 1]
     stride = int(columns.max(initial=0)) + 2
-    numbers = rows * np.int64(stride) + columns
+    small = (int(rows.max(initial=0)) + 1) * stride < 2**31
+    numbers = rows * (np.int32(stride) if small else np.int64(stride)) + columns
     right = numbers[:, 1:] == numbers[:, :-1] + 1
     down = numbers[1:] == numbers[:-1] + stride
     if rows.min(initial=0) < 0:

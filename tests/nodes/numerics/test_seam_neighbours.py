@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from graphtex_nodes.numerics import seam_kernels, seam_neighbours
 from graphtex_nodes.numerics.seam_neighbours import OFFSETS, around, near_seams
 from graphtex_nodes.numerics.sources import source_map
 
@@ -55,3 +56,8 @@ def test_another_view_is_another_piece(channel):
 def test_small_maps():
     assert not near_seams(np.zeros((1, 1, 6), np.float32), np.ones((1, 1), bool)).any()
     assert near_seams(np.zeros((1, 2, 6), np.float32), np.ones((1, 2), bool)).all()
+
+
+def test_kernels_fade_as_far():
+    """They keep the radius themselves, for loops of known length; a replay blends as a synthesis does."""
+    assert seam_kernels.RADIUS == seam_neighbours.RADIUS

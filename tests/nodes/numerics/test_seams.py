@@ -63,7 +63,7 @@ def test_unusable_pixels_are_not_taken():
 def test_fading_mixes_near_the_seam_only():
     exemplar = RNG.random((12, 60, 3)).astype(np.float32)
     source = two_pieces(10)
-    image = fade_seams(exemplar, USABLE, source, radius=2, channels=3, work=Context())
+    image = fade_seams(exemplar, USABLE, source, channels=3, work=Context())
     np.testing.assert_array_equal(image[:, :8], exemplar[:, :8])
     np.testing.assert_array_equal(image[:, 12:], exemplar[:, 42:50])
     left, right = exemplar[:, 9], exemplar[:, 39]
@@ -77,7 +77,7 @@ def test_fading_leaves_out_what_cannot_be_continued():
     exemplar = RNG.random((12, 60, 3)).astype(np.float32)
     row, column = np.mgrid[:12, :20]
     source = np.stack([row, np.where(column < 10, column + 20, column - 10)], axis=-1).astype(np.int32)
-    image = fade_seams(exemplar, USABLE, source, radius=2, channels=3, work=Context())
+    image = fade_seams(exemplar, USABLE, source, channels=3, work=Context())
     np.testing.assert_allclose(image[:, :10], exemplar[:, 20:30], atol=1e-6)
     assert np.abs(image[:, 10] - exemplar[:, 0]).max() > 0.01
 
