@@ -36,7 +36,7 @@ def size_error(scale, result, hole):
 
 
 @cache
-def completed(kind, given, method, weight=0.75):
+def completed(kind, given, method, weight=1.25):
     photo, scale = plane(kind)
     return complete(photo, HOLE, scale if given else None, method=method, scale_weight=weight, ctx=QUIET)
 
@@ -60,6 +60,12 @@ def test_elements_in_the_hole_have_the_right_size(kind, given, method):
     np.testing.assert_array_equal(result.image[~HOLE], photo[~HOLE])
     if method == "windows":
         assert size_error(scale, completed(kind, given, method, 0.0), HOLE) > np.log2(1.25)
+
+
+def test_windows_keep_to_a_measured_scale_in_a_large_hole():
+    photo, scale = plane("pebbles")
+    hole = np.hypot((ACROSS - 134) / 65, (BELOW - 140) / 52) < 1
+    assert size_error(scale, complete(photo, hole, method="windows", ctx=QUIET), hole) < np.log2(1.1)
 
 
 def test_seam_does_not_show():
