@@ -30,7 +30,7 @@ SMALLEST = 4
 FINE = 2
 """Finest levels: they take most of the time, while coarser ones decide what is where."""
 
-MOST = 24
+MOST = 18
 """Most iterations of a level, unless the user asks for more."""
 
 FEW = 64

@@ -139,7 +139,7 @@ def optimize(
         seen there; windows of 8 pixels, on the coarsest level before them of 16.
     iterations
         Half of them are on the finest level; the next one has one more than these, the third three times as many, and
-        coarser ones six times as many, up to 24.
+        coarser ones six times as many, at most 18.
     exponent, histogram, evenness, variance, detail
         r of the energy; gain of histogram matching; charge for windows used more often than others of their scale, in
         mean distances (on coarse levels firmness of prices at which all are used evenly); share of variance that PCA

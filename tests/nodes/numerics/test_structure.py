@@ -49,7 +49,7 @@ def test_most_levels():
 
 def test_stages_by_hand():
     plan = stages((64, 200), 5, (16, 8), 4)
-    coarse = [(4, 4, 24), (3, 4, 24), (2, 8, 12)]
+    coarse = [(4, 4, 18), (3, 4, 18), (2, 8, 12)]
     assert [(s.level, s.window, s.iterations) for s in plan] == [*coarse, (1, 16, 3), (1, 8, 3), (0, 8, 2)]
 
 
