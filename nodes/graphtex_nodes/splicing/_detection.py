@@ -19,6 +19,7 @@ FAINT = 0.3  # scores that are no elements whatever the others are
 TURNED_SIDE = 12.0  # and when they are turned, where there are many templates
 TRIAL_SIDE = 9.0
 LARGEST = 1 << 23  # pixels that are searched
+HALVING = 0.9  # standard deviation, pixels, that a picture is smoothed by before every second pixel is taken
 
 
 @dataclass(frozen=True)
@@ -31,17 +32,31 @@ class Detection:
 
 
 def reduced(image: Array, step: float) -> Array:
-    """Every `step`-th pixel of a smoothed picture, the first at (0, 0)."""
+    """Every `step`-th pixel of a smoothed picture, the first at (0, 0).
+
+    Large pictures are halved as often as leaves a step of 2: smoothing them as wide as that takes would take long.
+    """
     from scipy.ndimage import gaussian_filter1d, map_coordinates
 
     if step <= 1:
         return image
-    smooth = image
+    smooth, variance = image, 0.0
+    while step >= 4:
+        smooth, step, variance = halved(smooth), step / 2, (variance + HALVING**2) / 4
+    deviation = float(np.sqrt((HALVING * step / 2) ** 2 - variance))
     for axis in (0, 1):
-        smooth = gaussian_filter1d(smooth, 0.45 * step, axis=axis, mode="mirror")
-    rows, columns = (np.arange(0, side - 0.5, step) for side in image.shape[:2])
+        smooth = gaussian_filter1d(smooth, deviation, axis=axis, mode="mirror")
+    rows, columns = (np.arange(0, side - 0.5, step) for side in smooth.shape[:2])
     grid = np.meshgrid(rows, columns, indexing="ij")
     return np.stack([map_coordinates(c, grid, order=1, mode="nearest") for c in np.moveaxis(smooth, -1, 0)], axis=-1)
+
+
+def halved(image: Array) -> Array:
+    """Every second pixel of a smoothed picture, the first at (0, 0)."""
+    from scipy.ndimage import gaussian_filter1d
+
+    down = gaussian_filter1d(image, HALVING, axis=0, mode="mirror")[::2]
+    return np.ascontiguousarray(gaussian_filter1d(down, HALVING, axis=1, mode="mirror")[:, ::2])
 
 
 class Search:
@@ -55,6 +70,7 @@ class Search:
         self.turn, self.growth, self.radius, self.ctx = turn, growth, radius, ctx
         self.turned = turn > 0 or growth > 1
         self.image = unlit(image) if self.turned else image
+        self._halves = [self.image]
         self._sights: dict[float, Sight] = {}
 
     def detect(self, examples: list[Example]) -> Detection:
@@ -66,10 +82,13 @@ class Search:
         if not len(poses.points) or not (self.turned or step > 1):
             return found
         turn, grow = self.turn > 0, self.growth > 1
+        half, left = self._halved(step)
+        share = left / step
+        poses = poses.at(share)
         poses = Poses.joined([
-            refined(self.image, example, poses.take(poses.kinds == kind), step, turn, grow, self.ctx)
+            refined(half, resized(example, share), poses.take(poses.kinds == kind), left, turn, grow, self.ctx)
             for kind, example in enumerate(examples)
-        ])  # fmt: skip
+        ]).at(1 / share)  # fmt: skip
         return Detection(thinned(poses, examples, self.radius), found.similarity, step)
 
     def tried(self, example: Example) -> Poses:
@@ -81,12 +100,7 @@ class Search:
 
     def _found(self, examples: list[Example], step: float, coarseness: int) -> Detection:
         sight = self._sight(step, examples)
-        scaled = [
-            Example.model_construct(
-                x=e.x / step, y=e.y / step, width=max(e.width / step, 3), height=max(e.height / step, 3)
-            )
-            for e in examples
-        ]
+        scaled = [resized(example, 1 / step) for example in examples]
         similarity, angles, scales, kinds = sight.best_poses(
             scaled, templates(self.turn, self.growth, coarseness), self.ctx
         )
@@ -95,6 +109,14 @@ class Search:
         column, row = np.rint(points).astype(int).T
         poses = Poses(points * step, angles[row, column], scales[row, column], scores, kinds[row, column])
         return Detection(thinned(poses.take(poses.scores > FAINT), examples, self.radius), similarity, step)
+
+    def _halved(self, step: float) -> tuple[Array, float]:
+        """The picture halved until less than 4 is left of a step, and what is left."""
+        times = max(0, int(np.floor(np.log2(step))) - 1)
+        while len(self._halves) <= times:
+            self.ctx.check()
+            self._halves.append(halved(self._halves[-1]))
+        return self._halves[times], step / 2.0**times
 
     def _sight(self, step: float, examples: list[Example]) -> Sight:
         if step not in self._sights:
@@ -106,8 +128,16 @@ class Search:
                     f"image: expected at most {LARGEST} pixels for elements of {short:g} pixels, got {height} x "
                     f"{width}: search a part of it, or resample it"
                 )
-            self._sights[step] = Sight(reduced(self.image, step), self.turned, self.ctx.threads)
+            self._sights[step] = Sight(reduced(*self._halved(step)), self.turned, self.ctx.threads)
         return self._sights[step]
+
+
+def resized(example: Example, scale: float) -> Example:
+    """An example in a picture so many times as large."""
+    return Example.model_construct(
+        x=example.x * scale, y=example.y * scale, width=max(example.width * scale, 3.0),
+        height=max(example.height * scale, 3.0),
+    )  # fmt: skip
 
 
 def thinned(poses: Poses, examples: list[Example], radius: float) -> Poses:

@@ -49,6 +49,10 @@ class Poses:
         together = Poses(*(np.concatenate(columns) for columns in zip(*(p.columns() for p in parts), strict=True)))
         return together.take(np.argsort(-together.scores, kind="stable"))
 
+    def at(self, scale: float) -> "Poses":
+        """All of them in a picture so many times as large."""
+        return replace(self, points=self.points * scale)
+
     def turned(self, angle: float) -> "Poses":
         """All of them turned clockwise by an angle in degrees."""
         return Poses(self.points, self.angles + angle, self.scales, self.scores, self.kinds)

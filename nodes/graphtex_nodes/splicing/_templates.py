@@ -20,6 +20,16 @@ class Example(BaseModel):
     height: Annotated[float, Field(ge=3, le=4096)]
 
 
+def check_inside(example: Example, shape: tuple[int, ...], name: str) -> None:
+    """ValueError for an element whose centre is not in a picture of that shape."""
+    height, width = shape[:2]
+    if example.x > width - 1 or example.y > height - 1:
+        raise ValueError(
+            f"{name}: expected an element with its centre in the picture (x <= {width - 1}, y <= {height - 1}), got "
+            f"x = {example.x:g}, y = {example.y:g}"
+        )
+
+
 def cut_out(
     image: Array, example: Example, name: str, *, angle: float = 0.0, scale: float = 1.0, step: float = 1.0,
     margin: int = 0, round_mask: bool = False,
@@ -46,11 +56,7 @@ def cut_out(
     from scipy.ndimage import map_coordinates
 
     height, width = image.shape[:2]
-    if example.x > width - 1 or example.y > height - 1:
-        raise ValueError(
-            f"{name}: expected an element with its centre in the picture (x <= {width - 1}, y <= {height - 1}), got "
-            f"x = {example.x:g}, y = {example.y:g}"
-        )
+    check_inside(example, image.shape, name)
     sides = (max(example.width, example.height),) * 2 if round_mask else (example.height, example.width)
     half = [max(1, round(side * scale / step / 2)) + margin for side in sides]
     y, x = (np.arange(-k, k + 1) * (step / scale) for k in half)

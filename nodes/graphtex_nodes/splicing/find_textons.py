@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Context, Elements, Image, Number, Points, Vector, node
-from graphtex_nodes.splicing._templates import Example
+from graphtex_nodes.splicing._templates import Example, check_inside
 
 Array = NDArray[Any]
 
@@ -109,6 +109,8 @@ def find_textons(
 
     if search == "literal":
         return _literal(image, examples, turn, growth, radius, ctx)
+    for index, example in enumerate(examples):
+        check_inside(example, image.shape, f"examples[{index}]")
     sought = Search(image, turn, growth, radius, ctx)
     given, confidence = list(examples), -1.0
     if given:

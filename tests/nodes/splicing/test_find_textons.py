@@ -2,10 +2,12 @@ from functools import partial
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from graphtex import Context
 from graphtex_nodes import find_textons, textons
 from graphtex_nodes.splicing._agreement import agreement, central
+from graphtex_nodes.splicing._detection import reduced
 from graphtex_nodes.splicing._peaks import cover, local_maxima, score_floor, suppress
 from graphtex_nodes.splicing._unlit import unlit
 
@@ -162,3 +164,19 @@ def test_unlit_ignores_brightness():
     a, b = (unlit(x)[..., :3].reshape(-1, 3) for x in (image, shaded))
     for channel in range(3):
         assert np.corrcoef(a[:, channel], b[:, channel])[0, 1] > 0.97
+
+
+def test_halving_first_is_hardly_another_picture():
+    """Every sixth pixel of a smooth picture, from all of it and from one of half its sides: smoothed as much."""
+    image = gaussian_filter(np.random.default_rng(4).random((121, 150, 2)), (5, 5, 0))
+    small = reduced(image, 6.0)
+    assert small.shape == (21, 25, 2)
+    direct = gaussian_filter(image, (2.7, 2.7, 0), mode="mirror")[::6, ::6]
+    assert np.abs(small[:, :25] - direct).max() < 0.02 * np.ptp(image)
+
+
+def test_places_are_told_as_they_were_given():
+    """The search shrinks the picture, and its numbers mean nothing to the user."""
+    made = textons(width=97, height=131, size=36.0, rng=1)
+    with pytest.raises(ValueError, match=r"examples\[0\]: .*x <= 96, y <= 130.*got x = 300, y = 30"):
+        find_textons(made.image, examples=[{"x": 300, "y": 30, "width": 36, "height": 36}])
