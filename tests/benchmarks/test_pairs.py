@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.pairs import PAIRS, PHOTOGRAPHS, Outcome, figures
 
-GOOD = Outcome("F=d", False, 0.0, 1.0, 0.0, 0.0, 1.0, np.ones((2, 2, 3), np.float32))
+GOOD = Outcome("F=d", False, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, np.ones((2, 2, 3), np.float32))
 
 
 @pytest.mark.parametrize(
@@ -16,6 +16,7 @@ GOOD = Outcome("F=d", False, 0.0, 1.0, 0.0, 0.0, 1.0, np.ones((2, 2, 3), np.floa
         ({"cut": 0.2, "fidelity": 0.5, "tag": "B=c"}, True),  # its elements may be deformed
         ({"unlike": 2.0}, True),  # elements farther apart leave more ground
         ({"unlike": 2.0, "tag": "B=c"}, False),
+        ({"bent": 0.5, "tag": "B=c"}, False),  # squashed
         ({"empty": 0.5}, False),
         ({"holes": 0.5}, False),
         ({"doubtful": True}, False),
