@@ -73,7 +73,8 @@ def judge_splice(
         component of the displacement along the other, the larger of the two. 0.1 is about 6 degrees.
 
     For the tag B=c, whose elements may be deformed, ``cut`` and ``stretched`` only tell how much they are; there
-    ``bent`` and ``slope`` count, which are near 0 for the other tags.
+    ``bent`` and ``slope`` count. For other tags ``bent`` is near 0, and a ``slope`` is no fault: what lies between
+    elements that keep their shape has to stretch.
 
     Raises
     ------
