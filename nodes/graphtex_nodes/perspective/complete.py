@@ -115,9 +115,9 @@ def complete(
     Only a box around each part of the hole is looked at, so large photos take no longer than small ones. The photo's
     histogram is not matched by default: a hole need not have the colours of all that surrounds it.
 
-    Texture is put in holes of a few pixels' width and more. Single pixels, sprinkled ones and thin scratches are told
-    by their neighbours: with a half or a fifth of all pixels missing, plain interpolation, such as scikit-image's
-    ``inpaint_biharmonic``, comes about twice as near.
+    Texture is put in holes of a few pixels' width and more. Sprinkled pixels are told by their neighbours: with a half
+    or a fifth of all missing, plain interpolation, such as scikit-image's ``inpaint_biharmonic``, comes about twice as
+    near.
 
     Examples
     --------
