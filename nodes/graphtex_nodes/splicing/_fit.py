@@ -17,7 +17,7 @@ class Fit:
         self.piece, self.size = piece.shape[:2], size
         self.padded = [next_fast_len(side + part - 1, real=True) for side, part in zip(size, self.piece, strict=True)]
         self.channels = self._transform(piece)
-        self.squares = self._transform((piece.astype(np.float64) ** 2).sum(axis=2))
+        self.squares = self._transform(_energy(piece))
 
     def best(
         self, canvas: Array, known: Array, wanted: tuple[int, int], overlap: float, gain: float
@@ -33,14 +33,13 @@ class Fit:
         gain
             Least share of the most pixels that any such shift adds.
         """
-        weights = known.astype(np.float64)
-        energy = (canvas.astype(np.float64) ** 2).sum(axis=2)
-        total = self._inverse((self._transform(canvas) * np.conj(self.channels)).sum(axis=2))
-        both = self._inverse(self._transform(weights) * np.conj(self.squares)) - 2 * total
+        weights = known.astype(np.float32)
+        both = self._transform(weights) * np.conj(self.squares)
+        both -= 2 * np.einsum("ijc,ijc->ij", self._transform(canvas), np.conj(self.channels))
         shifts = [np.arange(place - side + 1, place + 1) for place, side in zip(wanted, self.piece, strict=True)]
         at = np.ix_(*shifts)
         shared = _sums(weights, self.piece, shifts)
-        difference = both[at] + _sums(energy, self.piece, shifts)
+        difference = self._inverse(both)[at] + _sums(_energy(canvas), self.piece, shifts)
         added = _sums(1 - weights, self.piece, shifts)
         least = overlap * self.piece[0] * self.piece[1]
         allowed = shared >= min(least, float(shared.max()))
@@ -52,7 +51,7 @@ class Fit:
     def _transform(self, array: Array) -> Array:
         from scipy.fft import rfft2
 
-        result: Array = rfft2(array.astype(np.float64), self.padded, axes=(0, 1))
+        result: Array = rfft2(array.astype(np.float32, copy=False), self.padded, axes=(0, 1))
         return result
 
     def _inverse(self, spectrum: Array) -> Array:
@@ -61,6 +60,12 @@ class Fit:
 
         result: Array = irfft2(spectrum, self.padded, axes=(0, 1))
         return result
+
+
+def _energy(picture: Array) -> Array:
+    """Sums of the squares of a picture's (h, w, c) channels."""
+    result: Array = np.einsum("ijc,ijc->ij", picture, picture)
+    return result
 
 
 def _sums(values: Array, piece: tuple[int, ...], shifts: list[Array]) -> Array:
