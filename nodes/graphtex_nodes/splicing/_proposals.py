@@ -38,7 +38,7 @@ def proposals(even: Even, divided: list[Parts]) -> list[Proposal]:
     for parts in divided:
         guess = from_parts(parts, parts.fits)
         if guess is not None:
-            found.append(replace(guess, merit=guess.merit * parts.weight / divided[0].weight))
+            found.append(replace(guess, merit=guess.merit * parts.weight / max(divided[0].weight, 1e-12)))
     for channel in colour_channels(even.picture):
         found += [Proposal(enlarged(example, even.step, even.size), BLOB) for example in _blobs(channel)]
     return sorted(found, key=lambda guess: -guess.merit)

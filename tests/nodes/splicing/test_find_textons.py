@@ -122,6 +122,15 @@ def test_noise_is_doubtful_or_empty():
     assert "examples" in told[0]
 
 
+def test_elements_of_a_pixel_are_not_told():
+    """A large picture that was shrunk too far: whatever is found, its confidence is a number."""
+    made = textons(width=128, height=128, size=24.0, form="disc", arrangement="square", rng=1).image
+    tiny = np.tile(made.reshape(8, 16, 8, 16, 3).mean(axis=(1, 3)), (24, 24, 1)).astype(np.float32)
+    told: list[str] = []
+    assert 0 <= find_textons(tiny, ctx=Context(on_warning=told.append)).confidence < 0.5
+    assert "examples" in told[0]
+
+
 def test_refuses():
     image = small(rng=1).image
     with pytest.raises(ValueError, match=r"examples\[0\]: expected an element with its centre in the picture"):
