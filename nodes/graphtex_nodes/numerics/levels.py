@@ -159,6 +159,16 @@ def fitting(stages: Sequence[Stage], usable: Sequence[NDArray[np.bool_]]) -> lis
     return result
 
 
+def border(plan: Sequence[Stage], level: int) -> int:
+    """Pixels that the canvas of a level reaches over the output on each side: its largest window; 0 on the finest.
+
+    A pixel at the output's border lies at the border of all its windows, so without this its sources would lie near
+    the same border of the exemplar. On coarse levels, where a window is half the exemplar, plain synthesis would then
+    repeat the exemplar's layout, and with it a trend of texel sizes that it should not know of.
+    """
+    return 0 if level == 0 else max(stage.window for stage in plan if stage.level == level)
+
+
 def _count(usable: NDArray[np.bool_], window: int) -> int:
     """How many windows hold usable pixels only."""
     return int(np.count_nonzero(whole_windows(usable, window)))

@@ -11,7 +11,7 @@ from graphtex_nodes.numerics import evenness
 from graphtex_nodes.numerics.frames import Frame, nearest_places, replayed, transfer, whole_windows
 from graphtex_nodes.numerics.guidance import random_blocks
 from graphtex_nodes.numerics.histogram import Histograms
-from graphtex_nodes.numerics.levels import Stage
+from graphtex_nodes.numerics.levels import Stage, border
 from graphtex_nodes.numerics.parallel import Alone, Work, aside
 from graphtex_nodes.numerics.problem import Array, Field, Flags, Given, Problem, Result, Settings, pyramids
 from graphtex_nodes.numerics.search import EXACT_LIMIT, exact_cost, search_exact, search_warm
@@ -289,13 +289,3 @@ def _vote(level: _Level, match: _Match, weighted: Array, work: Work) -> None:
         match.field, match.weights, weighted, level.falloff, level.frame.grid.step, level.canvas, work, level.known
     )
     level.frame.wrap_canvas(level.canvas)
-
-
-def border(plan: Sequence[Stage], level: int) -> int:
-    """Pixels that the canvas of a level reaches over the output on each side: its largest window; 0 on the finest.
-
-    A pixel at the output's border lies at the border of all its windows, so without this its sources would lie near
-    the same border of the exemplar. On coarse levels, where a window is half the exemplar, plain synthesis would then
-    repeat the exemplar's layout, and with it a trend of texel sizes that it should not know of.
-    """
-    return 0 if level == 0 else max(stage.window for stage in plan if stage.level == level)

@@ -12,6 +12,7 @@ from graphtex_nodes.splicing._doubts import trust
 from graphtex_nodes.splicing._nearness import common_offset
 from graphtex_nodes.splicing._packed import outline_fit, touching
 from graphtex_nodes.splicing._partitions import LARGEST_SHARE, LEAST_COUNT, Even, Parts, even_and_small, partitions
+from graphtex_nodes.splicing._pattern import distances
 from graphtex_nodes.splicing._peaks import score_floor
 from graphtex_nodes.splicing._poses import Poses
 from graphtex_nodes.splicing._proposals import Proposal, enlarged, from_parts, proposals
@@ -188,7 +189,5 @@ def explained(poses: Poses, examples: list[Example], shape: tuple[int, ...]) -> 
 
 def regularity(points: Array) -> float:
     """1 where all points are equally far from their nearest neighbour, less the more these distances vary."""
-    from scipy.spatial import cKDTree
-
-    nearest = np.asarray(cKDTree(points).query(points, 2)[0])[:, 1]
+    nearest = distances(points)
     return float(1 / (1 + nearest.std() / max(nearest.mean(), 1e-9)))

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from graphtex import Elements
 from graphtex_nodes.splicing._nearness import distances
+from graphtex_nodes.splicing._unlit import squared_change
 
 Array = NDArray[Any]
 
@@ -31,9 +32,7 @@ def trust(image: Array, elements: Elements, scores: Array, width: float, height:
 
 def _explained(image: Array, elements: Elements, width: float, height: float) -> float:
     """Share of the changes of colour that lies in and around the elements."""
-    from scipy.ndimage import gaussian_gradient_magnitude
-
-    change = np.sqrt(sum(gaussian_gradient_magnitude(channel, 1.0) ** 2 for channel in np.moveaxis(image, -1, 0)))
+    change = np.sqrt(squared_change(image))
     near = distances(image.shape[:2], elements, width, height)[1] < AROUND
     return float(change[near].sum() / max(change.sum(), 1e-9))
 

@@ -47,6 +47,13 @@ def joint_depths(light: Array, reach: int) -> Array:
     return cut
 
 
+def divided(image: Array) -> Iterator[tuple[Array, float, int]]:
+    """All :func:`divisions` of a picture (h, w, c) by dark joints, with a 1, and by bright ones, with a -1."""
+    for sign in (1, -1):
+        for labels, clearness in divisions(joint_depths(_light(image, sign, 1.0), REACH)):
+            yield labels, clearness, sign
+
+
 def divisions(depth: Array) -> Iterator[tuple[Array, float]]:
     """Labels (h, w) of what joints part, 0 on these, from many parts to few, and how clear the joints are.
 
@@ -166,11 +173,10 @@ def joints_around(image: Array, centres: Array, side: float) -> Joints | None:
     last = np.array(small.shape[1::-1]) - 1
     x, y = np.clip(np.rint(centres / step), 0, last).astype(np.intp).T
     best, found = 0.0, None
-    for sign in (1, -1):
-        for labels, clearness in divisions(joint_depths(_light(small, sign, 1.0), REACH)):
-            own = len(np.setdiff1d(labels[y, x], [0])) / max(len(x), 1)
-            if own * clearness > best:
-                best, found = own * clearness, Joints(labels > 0, step, sign)
+    for labels, clearness, sign in divided(small):
+        own = len(np.setdiff1d(labels[y, x], [0])) / max(len(x), 1)
+        if own * clearness > best:
+            best, found = own * clearness, Joints(labels > 0, step, sign)
     return found
 
 

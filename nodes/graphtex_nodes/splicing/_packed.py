@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from graphtex import Elements
 from graphtex_nodes.splicing._nearness import places_in
+from graphtex_nodes.splicing._pattern import distances
+from graphtex_nodes.splicing._unlit import squared_change
 
 Array = NDArray[Any]
 
@@ -19,12 +21,9 @@ SAMPLES = 48  # on an outline
 
 def touching(elements: Elements, width: float, height: float) -> bool:
     """Whether most elements lie as near to another one as their size allows."""
-    from scipy.spatial import cKDTree
-
     if len(elements.points) < 2:
         return False
-    nearest = np.asarray(cKDTree(elements.points / (width, height)).query(elements.points / (width, height), 2)[0])
-    return bool(np.median(nearest[:, 1] / elements.scales) < TOUCHING)
+    return bool(np.median(distances(elements.points / (width, height)) / elements.scales) < TOUCHING)
 
 
 def outline_fit(image: Array, elements: Elements, width: float, height: float) -> tuple[Array, float, float]:
@@ -34,13 +33,11 @@ def outline_fit(image: Array, elements: Elements, width: float, height: float) -
     end where their own shade begins; yet nothing changes more than where the shade of one meets the light of the next.
     Outlines are ellipses or rectangles, whichever fits better.
     """
-    from scipy.ndimage import gaussian_gradient_magnitude
-
     from graphtex_nodes.splicing._colours import told_by_hue
 
     logs = told_by_hue(image.reshape(-1, image.shape[2]).astype(np.float64)).reshape(image.shape)
     # by the root many clear places count more than few very clear ones
-    change = sum(gaussian_gradient_magnitude(channel, 1.0) ** 2 for channel in np.moveaxis(logs, -1, 0)) ** 0.25
+    change = squared_change(logs) ** 0.25
     turn = np.linspace(0, 2 * np.pi, SAMPLES, endpoint=False)
     ellipse = np.stack([np.cos(turn), np.sin(turn)]) / 2
     rectangle = ellipse / np.abs(ellipse).max(axis=0) / 2

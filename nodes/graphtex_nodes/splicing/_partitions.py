@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.illumination import evenly_lit, log_brightness
 from graphtex_nodes.numerics.windows import leading_directions
-from graphtex_nodes.splicing._joints import REACH, divisions, joint_depths
+from graphtex_nodes.splicing._joints import divided
 from graphtex_nodes.splicing._unlit import is_colourful, light_shares
 
 Array = NDArray[Any]
@@ -136,13 +136,9 @@ def solids(image: Array) -> Iterator[tuple[Array, float, float]]:
 
 def packed(image: Array) -> Iterator[tuple[Array, float]]:
     """Labels (h, w) of what dark or bright joints part, 0 on these, and how clear they are, 0 to 1."""
-    from scipy.ndimage import gaussian_filter
-
-    light = gaussian_filter(log_brightness(image), 0.7)
-    for signed in (light, -light):
-        for labels, clearness in divisions(joint_depths(signed, REACH)):
-            if clearness > BLURRED:
-                yield labels, min(1.0, (clearness - BLURRED) / (SHARP - BLURRED))
+    for labels, clearness, _ in divided(image):
+        if clearness > BLURRED:
+            yield labels, min(1.0, (clearness - BLURRED) / (SHARP - BLURRED))
 
 
 def _halves(values: Array) -> Iterator[tuple[Array, float]]:

@@ -28,13 +28,13 @@ def spacing(points: Array, size: tuple[int, int] | None, neighbours: int) -> flo
     from scipy.spatial import cKDTree
 
     count = min(neighbours, len(points) - 1)
-    distances = np.asarray(cKDTree(points).query(points, k=[*range(2, count + 2)])[0])
+    nearest = np.asarray(cKDTree(points).query(points, k=[*range(2, count + 2)])[0])
     if size is not None:
         border = np.minimum(points, np.array(size[::-1]) - 1 - points).min(axis=1)
-        inner = distances[:, -1] <= border
+        inner = nearest[:, -1] <= border
         if inner.any():
-            distances = distances[inner]
-    return float(distances.mean())
+            nearest = nearest[inner]
+    return float(nearest.mean())
 
 
 def distances(points: Array) -> Array:
@@ -123,9 +123,7 @@ def _filled(points: Array, size: tuple[int, int], unit: float) -> tuple[Array, A
 
     No more than one ``unit`` is taken off a side: a wider margin belongs to the pattern.
     """
-    from scipy.spatial import cKDTree
-
-    around = max(1.0, float(np.median(np.asarray(cKDTree(points).query(points, k=[2])[0])))) / 2
+    around = max(1.0, float(np.median(distances(points)))) / 2
     edge = np.array(size[::-1]) - 0.5
     first = np.clip(points.min(axis=0) - around, -0.5, unit - 0.5)
     return first, np.clip(points.max(axis=0) + around, edge - unit, edge)

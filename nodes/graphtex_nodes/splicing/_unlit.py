@@ -19,7 +19,7 @@ def unlit(image: Array) -> Array:
     to fit its shading. In colour pictures the features are each channel's share of the light and how steeply the shares
     change; in others the brightness and its steepness are all there is.
     """
-    from scipy.ndimage import gaussian_filter1d, gaussian_gradient_magnitude
+    from scipy.ndimage import gaussian_filter1d
 
     smooth = image.astype(np.float64)
     for axis in (0, 1):
@@ -29,10 +29,17 @@ def unlit(image: Array) -> Array:
         shares = light_shares(smooth)
         if is_colourful(shares):
             features = shares
-    steepness = np.sqrt(sum(gaussian_gradient_magnitude(c, SMOOTH) ** 2 for c in np.moveaxis(features, -1, 0)))
+    steepness = np.sqrt(squared_change(features))
     found = np.concatenate([features, steepness[..., None]], axis=2)
     scaled: Array = (found / np.maximum(found.std(axis=(0, 1)), 1e-6)).astype(np.float32)
     return scaled
+
+
+def squared_change(image: Array) -> Array:
+    """How steeply a picture (h, w, c) changes where it is smoothed a little: squares, (h, w), all channels together."""
+    from scipy.ndimage import gaussian_gradient_magnitude
+
+    return np.asarray(sum(gaussian_gradient_magnitude(channel, SMOOTH) ** 2 for channel in np.moveaxis(image, -1, 0)))
 
 
 def light_shares(image: Array) -> Array:

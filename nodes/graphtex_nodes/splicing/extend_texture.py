@@ -185,9 +185,7 @@ def _joined(owner: Array, covered: tuple[slice, slice]) -> Array:
 
 def _points(points: Array, shifts: Array, owner: Array) -> Array:
     """Textons of all pieces that have the pixel at their centre; of two too close ones the first."""
-    from scipy.spatial import cKDTree
-
-    from graphtex_nodes.splicing._pattern import apart
+    from graphtex_nodes.splicing._pattern import apart, distances
 
     found: Array = np.concatenate([points + shift[::-1] for shift in shifts])
     piece = np.repeat(np.arange(len(shifts)), len(points))
@@ -197,5 +195,4 @@ def _points(points: Array, shifts: Array, owner: Array) -> Array:
     found = found[inside]
     if len(points) < 2:
         return found
-    nearest = np.asarray(cKDTree(points).query(points, k=[2])[0])
-    return apart(found, float(np.median(nearest)) / 2)
+    return apart(found, float(np.median(distances(points))) / 2)

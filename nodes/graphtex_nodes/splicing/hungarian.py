@@ -151,8 +151,6 @@ def _joined(elements: Extension) -> Array:
 
 def _usual_distance(points: Array) -> float:
     """Median distance to the nearest other point; 0 for a single one."""
-    from scipy.spatial import cKDTree
+    from graphtex_nodes.splicing._pattern import distances
 
-    if len(points) < 2:
-        return 0.0
-    return float(np.median(np.asarray(cKDTree(points).query(points, k=[2])[0])))
+    return float(np.median(distances(points))) if len(points) > 1 else 0.0
