@@ -4,13 +4,11 @@ import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-import graphtex as gt
 from benchmarks.figures import Figure, seconds
 from graphtex import Gap, Texture
 from graphtex_nodes import (
@@ -31,7 +29,6 @@ from graphtex_nodes import (
 from graphtex_nodes.image.save import save_image
 from graphtex_nodes.splicing._stiffness import RULES, matrix
 from graphtex_nodes.splicing.factor_warp import constraint_rows
-from graphtex_nodes.splicing.load_prepared import save_prepared
 from graphtex_nodes.splicing.prepare_texture import PreparedTexture
 from graphtex_nodes.splicing.values import Extension, Moves
 
@@ -51,7 +48,6 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
     yield from _pairs(pictures)
     for side in SIDES:
         yield from _speed(side)
-    yield from _matrix()
 
 
 def _elements() -> Iterator[Figure]:
@@ -180,19 +176,6 @@ def _speed(side: int) -> Iterator[Figure]:
     sets, exact = seconds(partial(neighbour_sets, first), 3), _exact(entry.sets.fine_appearance)
     yield Figure(f"similar pixels, {size}, s; reference exact search", sets, "", exact)
     yield Figure(f"similar pixels, {size}, time over that of exact search", sets / exact, "<= 0.2")
-
-
-def _matrix() -> Iterator[Figure]:
-    """The graph of all pairs of ten textures, from a database on disk and without a cache, on two threads."""
-    graph = gt.load("splicing/splice-matrix")
-    with TemporaryDirectory() as folder:
-        for seed in range(10):
-            form: Literal["disc", "leaf", "flower"] = ("disc", "leaf", "flower")[seed % 3]
-            kind: Literal["square", "hexagonal", "random"] = ("square", "hexagonal", "random")[seed // 3 % 3]
-            made = textons(width=128, height=128, size=24.0, form=form, arrangement=kind, rng=seed)
-            save_prepared(prepare_texture(_texture(made)), Path(folder) / f"{form}-{kind}-{seed}.texture")
-        run = partial(gt.run, graph, {"textures": folder}, cache=False, executor="threads", workers=2)
-        yield Figure("all pairs of ten textures of a database, 128 x 128, two threads, s", seconds(run, 1), "<= 30")
 
 
 def _texture(made: Any) -> Texture:

@@ -54,9 +54,9 @@ def test_another_arrangement_uses_what_was_made(tmp_path: Path):
     """Extension, factors and similar pixels of another size are of the elements alone."""
     graph = gt.load(FOLDER / "splice.yaml")
     inputs = {"elements": prepared("oranges"), "width": 80}
-    first, started = ran(graph, {**inputs, "arrangement": prepared("leaves")}, tmp_path)
+    first, started = ran(graph, {**inputs, "arrangement": cropped("leaves")}, tmp_path)
     assert "own" in started
-    second, started = ran(graph, {**inputs, "arrangement": prepared("blossoms")}, tmp_path)
+    second, started = ran(graph, {**inputs, "arrangement": cropped("blossoms")}, tmp_path)
     assert "own" not in started
     assert first["image"].shape == second["image"].shape == (96, 80, 3)
     assert not np.array_equal(first["image"], second["image"])
@@ -67,8 +67,7 @@ def test_an_element_at_each_place():
     graph = gt.load(FOLDER / "splice.yaml")
     graph.outputs["places"] = Output("target.target")
     elements = sample_texture(name="oranges")
-    other = prepare_texture(sample_texture(name="leaves"), width=32, height=32)  # only its points are needed
-    result = gt.run(graph, {"elements": "sample:oranges", "arrangement": other}, cache=False)
+    result = gt.run(graph, {"elements": "sample:oranges", "arrangement": "sample:leaves"}, cache=False)
     radius = np.sqrt(elements.mask.mean() * 192 * 192 / len(elements.points) / np.pi)
     y, x = np.mgrid[:192, :192]
     distance = np.min([np.hypot(x - px, y - py) for px, py in result["places"].points], axis=0)
@@ -77,12 +76,12 @@ def test_an_element_at_each_place():
 
 
 def test_from_two_pictures():
-    """Discs of a square lattice are found, and most lie whole in the rows of a hexagonal one."""
+    """Discs of a square lattice are found, and most lie whole in the rows of a hexagonal one; that is not prepared."""
     one = textons(width=96, height=96, size=18.0, arrangement="square", rng=1)
     other = textons(width=96, height=96, size=18.0, arrangement="hexagonal", rng=2)
-    result = gt.run(
-        gt.load(FOLDER / "splice-pictures.yaml"), {"elements": one.image, "arrangement": other.image}, cache=False
-    )
+    inputs = {"elements": one.image, "arrangement": other.image}
+    result = gt.run(gt.load(FOLDER / "splice-pictures.yaml"), inputs, cache=False)
+    assert [task for task in result.reports if "prepared" in task] == ["own/prepared"]
     assert result["image"].shape == (96, 96, 3)
     parts, count = label(result["mask"])
     areas = np.bincount(parts.ravel())[1:]
@@ -93,7 +92,7 @@ def test_from_two_pictures():
 
 @pytest.mark.parametrize(("executor", "workers"), [("threads", 1), ("threads", 2)])
 def test_same_bytes(executor: str, workers: int):
-    inputs = {"elements": prepared("leaves"), "arrangement": prepared("tiles"), **SMALL}
+    inputs = {"elements": prepared("leaves"), "arrangement": cropped("tiles"), **SMALL}
     graph = gt.load(FOLDER / "splice.yaml")
     result = gt.run(graph, inputs, cache=False, executor=executor, workers=workers)
     reference = gt.run(graph, inputs, cache=False)
@@ -132,7 +131,7 @@ def test_a_picture_becomes_a_texture(tmp_path: Path):
     assert nearest.max() < 2
     (file,) = write_outputs(found, tmp_path)["texture"]
     spliced = gt.run(
-        gt.load(FOLDER / "splice.yaml"), {"elements": str(file), "arrangement": prepared("leaves")}, cache=False
+        gt.load(FOLDER / "splice.yaml"), {"elements": str(file), "arrangement": cropped("leaves")}, cache=False
     )
     assert spliced["image"].shape == (128, 128, 3)
 

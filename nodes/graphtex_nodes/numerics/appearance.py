@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics.windows import leading_directions
+from graphtex_nodes.numerics.parallel import Alone
+from graphtex_nodes.numerics.windows import Basis, leading_directions
 
 Array = NDArray[Any]
 
@@ -34,20 +35,14 @@ class AppearanceSpace:
     mean: Array
     kept: float
 
-    def project(self, image: Array) -> Array:
+    def project(self, image: Array, threads: int = 1) -> Array:
         """Appearance vectors (h, w, k), float32, of a picture (h, w, c); beyond its border it is mirrored."""
-        height, width, channels = image.shape
         half = WINDOW // 2
         padded = np.pad(image, ((half, half), (half, half), (0, 0)), mode="symmetric").astype(np.float32)
-        rows = self.components.astype(np.float32).reshape(WINDOW, WINDOW, channels, -1)
-        vectors = np.empty((height, width, rows.shape[3]), np.float32)
-        vectors[:] = -self.mean.astype(np.float32)
-        for i in range(WINDOW):
-            for j in range(WINDOW):
-                part = padded[i : i + height, j : j + width]
-                for channel in range(channels):
-                    vectors += part[:, :, channel, None] * rows[i, j, channel]
-        return vectors
+        count = self.mean.size
+        columns = np.pad(self.components, ((0, 0), (0, count % 2))).astype(np.float32)  # kernels take pairs of them
+        basis = Basis(WINDOW, columns, np.pad(self.mean, (0, count % 2)).astype(np.float32))
+        return np.ascontiguousarray(basis.project(padded, 1, Alone(threads))[..., :count])
 
 
 def appearance_space(image: Array, channels: int = CHANNELS) -> AppearanceSpace:

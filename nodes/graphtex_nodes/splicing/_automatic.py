@@ -72,13 +72,13 @@ def _chosen(even: Even, search: Search) -> Choice | None:
     alike = None if alike is None else _centred(alike, even)
     if not divided:
         return alike
-    parts = _of_parts(divided[0], search)
+    parts = divided[0]
     if alike is None:
-        return parts
-    same = not _missed(alike, divided[0]).any()
-    if same and (search.growth > 1 or len(alike.examples) > 1 or divided[0].spread <= VARIED):
-        return replace(alike, confidence=max(alike.confidence, parts.confidence))
-    return alike if alike.confidence >= parts.confidence else parts
+        return _of_parts(parts, search)
+    same = not _missed(alike, parts).any()
+    if same and (search.growth > 1 or len(alike.examples) > 1 or parts.spread <= VARIED):
+        return replace(alike, confidence=max(alike.confidence, parts.merit))
+    return alike if alike.confidence >= parts.merit else _of_parts(parts, search)
 
 
 def _centred(choice: Choice, even: Even) -> Choice:
@@ -120,7 +120,7 @@ def _of_parts(parts: Parts, search: Search) -> Choice:
     index = index[np.argsort(-scores[index], kind="stable")]
     nothing = np.zeros(len(index))
     poses = Poses(parts.points[index] * parts.step, nothing, scales[index], scores[index], nothing.astype(np.int64))
-    return Choice([example], replace(search.detect([example]), poses=poses), 0.0, parts.merit)
+    return Choice([example], replace(search.coarsely([example]), poses=poses), 0.0, parts.merit)
 
 
 def _alike(even: Even, divided: list[Parts], search: Search) -> Choice | None:

@@ -75,10 +75,8 @@ class Search:
 
     def detect(self, examples: list[Example]) -> Detection:
         """What looks like the examples, the most alike first, with places between pixels."""
-        short = min(min(example.width, example.height) for example in examples)
-        step = max(1.0, short / (TURNED_SIDE if self.turned else PLAIN_SIDE))
-        found = self._found(examples, step, 1)
-        poses = found.poses
+        found = self.coarsely(examples)
+        poses, step = found.poses, found.step
         if not len(poses.points) or not (self.turned or step > 1):
             return found
         turn, grow = self.turn > 0, self.growth > 1
@@ -90,6 +88,11 @@ class Search:
             for kind, example in enumerate(examples)
         ]).at(1 / share)  # fmt: skip
         return Detection(thinned(poses, examples, self.radius), found.similarity, step)
+
+    def coarsely(self, examples: list[Example]) -> Detection:
+        """What looks like the examples, at the resolution at which all of the picture is compared with them."""
+        short = min(min(example.width, example.height) for example in examples)
+        return self._found(examples, max(1.0, short / (TURNED_SIDE if self.turned else PLAIN_SIDE)), 1)
 
     def tried(self, example: Example) -> Poses:
         """Quickly: at a low resolution, and the poses are those of the best templates."""

@@ -47,15 +47,17 @@ def joint_depths(light: Array, reach: int) -> Array:
     return cut
 
 
-def divided(image: Array) -> Iterator[tuple[Array, float, int]]:
+def divided(image: Array, least: float = 0.0) -> Iterator[tuple[Array, float, int]]:
     """All :func:`divisions` of a picture (h, w, c) by dark joints, with a 1, and by bright ones, with a -1."""
     for sign in (1, -1):
-        for labels, clearness in divisions(joint_depths(_light(image, sign, 1.0), REACH)):
+        for labels, clearness in divisions(joint_depths(_light(image, sign, 1.0), REACH), least):
             yield labels, clearness, sign
 
 
-def divisions(depth: Array) -> Iterator[tuple[Array, float]]:
+def divisions(depth: Array, least: float = 0.0) -> Iterator[tuple[Array, float]]:
     """Labels (h, w) of what joints part, 0 on these, from many parts to few, and how clear the joints are.
+
+    Those with joints that are not clearer than `least` are left out.
 
     A watershed over the depth of joints divides too much: every crack and shadow of relief makes a basin. Two basins
     are joined where the border between them is the least deep in the mean, which gaps in a joint hardly change, and a
@@ -78,8 +80,10 @@ def divisions(depth: Array) -> Iterator[tuple[Array, float]]:
     limit = next(limits, None)
     for value, one, other in [*joined, (np.inf, 0, 0)]:
         while limit is not None and value > limit:
-            parts = _flat(root)[basins]
-            yield _without_joints(parts, depth), _clearness(_flat(root), ridges)
+            roots = _flat(root)
+            clearness = _clearness(roots, ridges)
+            if clearness > least:
+                yield _without_joints(roots[basins], depth), clearness
             limit = next(limits, None)
         root[other] = one
 

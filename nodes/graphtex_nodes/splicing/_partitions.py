@@ -136,9 +136,8 @@ def solids(image: Array) -> Iterator[tuple[Array, float, float]]:
 
 def packed(image: Array) -> Iterator[tuple[Array, float]]:
     """Labels (h, w) of what dark or bright joints part, 0 on these, and how clear they are, 0 to 1."""
-    for labels, clearness, _ in divided(image):
-        if clearness > BLURRED:
-            yield labels, min(1.0, (clearness - BLURRED) / (SHARP - BLURRED))
+    for labels, clearness, _ in divided(image, BLURRED):
+        yield labels, min(1.0, (clearness - BLURRED) / (SHARP - BLURRED))
 
 
 def _halves(values: Array) -> Iterator[tuple[Array, float]]:

@@ -77,7 +77,7 @@ class Sight:
         self.image, self.turned, self.threads = image, turned, threads
         self.space = appearance_space(image)
         self.channels = CHANNELS if turned else self.space.mean.size
-        self.appearance = self.space.project(image)[..., : self.channels]
+        self.appearance = self.space.project(image, threads)[..., : self.channels]
         self._correlators: dict[int, Correlator] = {}
 
     def best_poses(
@@ -129,11 +129,12 @@ def refined(image: Array, example: Example, poses: Poses, step: float, turn: boo
     else:
         u, v = u * example.width / 2, v * example.height / 2
     given = Poses(np.array([[example.x, example.y]]), np.zeros(1), np.ones(1), np.ones(1), np.zeros(1, np.int64))
-    wanted, weights = _samples(smooth, given, u, v)
+    smooth = np.ascontiguousarray(smooth, np.float32)
+    wanted = _samples(smooth, given, u, v)[0]
     for _ in range(2):
         ctx.check()
         starts = STARTS if turn else (0.0,)
-        found = [_climb(smooth, wanted[0], u, v, poses.turned(start), step, turn, grow) for start in starts]
+        found = [_climb(smooth, wanted[0], u, v, poses.turned(start), step, turn, grow, ctx) for start in starts]
         best = np.argmax([each.scores for each in found], axis=0)
         each = np.arange(len(best))
         poses = Poses(*(np.stack(column)[best, each] for column in zip(*(f.columns() for f in found), strict=True)))
@@ -146,33 +147,24 @@ def refined(image: Array, example: Example, poses: Poses, step: float, turn: boo
     return poses
 
 
-def _climb(image: Array, wanted: Array, u: Array, v: Array, poses: Poses, step: float, turn: bool, grow: bool) -> Poses:
+def _climb(
+    image: Array, wanted: Array, u: Array, v: Array, poses: Poses, step: float, turn: bool, grow: bool, ctx: Context
+) -> Poses:  # fmt: skip
     """Move each pose to a better neighbour until none is, with steps that are halved."""
-    values = [*poses.points.T.copy(), poses.angles.copy(), np.log(poses.scales)]
-    lengths = [0.6 * step, 0.6 * step, ANGLE_STEP / 3, np.log(SCALE_STEP) / 3]
-    moving = [0, 1, *([2] if turn else []), *([3] if grow else [])]
+    from graphtex_nodes.numerics.parallel import for_rows
+    from graphtex_nodes.splicing import pose_kernels
 
-    def score() -> Array:
-        return _match(image, wanted, u, v, _replaced(poses, values))
+    values = np.stack([*poses.points.T, poses.angles, np.log(poses.scales)], axis=1)
+    lengths = np.array([0.6 * step, 0.6 * step, ANGLE_STEP / 3, np.log(SCALE_STEP) / 3])
+    moving = np.array([0, 1, *([2] if turn else []), *([3] if grow else [])])
+    scores = np.empty(len(values))
 
-    best = score()
-    for halving in range(HALVINGS):
-        for _ in range(2):
-            for axis in moving:
-                for way in (-1, 1):
-                    before = values[axis]
-                    values[axis] = before + way * lengths[axis] / 2**halving
-                    scores = score()
-                    better = scores > best + 1e-9
-                    values[axis] = np.where(better, values[axis], before)
-                    best = np.where(better, scores, best)
-    return replace(_replaced(poses, values), scores=best)
+    def band(first: int, stop: int) -> None:
+        pose_kernels.climb(image, wanted, u, v, FAINT, lengths, moving, HALVINGS, values, scores, first, stop)
 
-
-def _replaced(poses: Poses, values: list[Array]) -> Poses:
-    """The poses with other places, angles (brought to -180 to 180 degrees) and logarithms of scales."""
-    x, y, angles, logs = values
-    return replace(poses, points=np.stack([x, y], axis=1), angles=(angles + 180) % 360 - 180, scales=np.exp(logs))
+    for_rows(band, len(values), 4.0 * HALVINGS * len(moving) * wanted.size, ctx)
+    angles = (values[:, 2] + 180) % 360 - 180
+    return replace(poses, points=values[:, :2].copy(), angles=angles, scales=np.exp(values[:, 3]), scores=scores)
 
 
 def _samples(image: Array, poses: Poses, u: Array, v: Array) -> tuple[Array, Array]:
@@ -183,17 +175,3 @@ def _samples(image: Array, poses: Poses, u: Array, v: Array) -> tuple[Array, Arr
     values = [map_coordinates(channel, [row, column], order=1, mode="nearest") for channel in np.moveaxis(image, -1, 0)]
     inside = (row >= -0.5) & (row <= image.shape[0] - 0.5) & (column >= -0.5) & (column <= image.shape[1] - 0.5)
     return np.stack(values, axis=-1).astype(np.float64), inside.astype(np.float64)
-
-
-def _match(image: Array, wanted: Array, u: Array, v: Array, poses: Poses) -> Array:
-    """Correlation coefficient of each element's samples with the wanted ones (k, c), over those in the picture."""
-    seen, inside = _samples(image, poses, u, v)
-    weight = inside[..., None]
-    count = np.maximum(inside.sum(axis=1), 1)[:, None]
-    a = (seen - ((seen * weight).sum(axis=1) / count)[:, None]) * weight
-    b = (wanted - ((wanted * weight).sum(axis=1) / count)[:, None]) * weight
-    energy = (a * a).sum(axis=(1, 2)) * (b * b).sum(axis=(1, 2))
-    coefficient = np.where(energy > 1e-12, (a * b).sum(axis=(1, 2)) / np.sqrt(np.maximum(energy, 1e-12)), 0)
-    contrast = np.sqrt((a * a).sum(axis=(1, 2)) / np.maximum((b * b).sum(axis=(1, 2)), 1e-12))
-    result: Array = coefficient * np.minimum(contrast / FAINT, 1)
-    return result

@@ -106,14 +106,9 @@ def _factor(system: Any, order: Array) -> Factor:
     permuted = system[order][:, order].tocsc()
     found = splu(permuted, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     lower = found.L.tocsc()
-    lower.sort_indices()
-    off = np.ones(lower.nnz, bool)
-    off[lower.indptr[:-1]] = False  # the unit diagonal stands first in each column
-    starts = lower.indptr - np.arange(len(lower.indptr))
-    return Factor(
-        order.astype(np.int32), starts.astype(np.int32), lower.indices[off].astype(np.int32), lower.data[off],
-        found.U.diagonal(),
-    )  # fmt: skip
+    if (lower.indices[lower.indptr[:-1]] != np.arange(len(order))).any():
+        lower.sort_indices()
+    return Factor(order.astype(np.int32), lower.indptr, lower.indices, lower.data, found.U.diagonal())
 
 
 def dissected(height: int, width: int) -> Array:

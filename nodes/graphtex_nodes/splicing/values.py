@@ -49,7 +49,7 @@ class Factor(NamedTuple):
     """Factor of a symmetric positive definite matrix.
 
     Row i of the permuted matrix is row `order[i]` of A. Column j of L has the entries `starts[j]` to `starts[j + 1]` of
-    `rows` and `values`; its unit diagonal is left out. `pivots` is the diagonal of D.
+    `rows` and `values`; the first is 1, on the diagonal. `pivots` is the diagonal of D.
     """
 
     order: Indices

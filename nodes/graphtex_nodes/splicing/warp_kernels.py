@@ -12,13 +12,13 @@ def solve(starts, rows, values, pivots, x):
     """Solve L D L' x = b in place for all columns of ``x`` (n, m)."""
     count, sides = x.shape
     for j in range(count):
-        for k in range(starts[j], starts[j + 1]):
+        for k in range(starts[j] + 1, starts[j + 1]):
             for side in range(sides):
                 x[rows[k], side] -= values[k] * x[j, side]
     for j in range(count - 1, -1, -1):
         for side in range(sides):
             total = x[j, side] / pivots[j]
-            for k in range(starts[j], starts[j + 1]):
+            for k in range(starts[j] + 1, starts[j + 1]):
                 total -= values[k] * x[rows[k], side]
             x[j, side] = total
 
