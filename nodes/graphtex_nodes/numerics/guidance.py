@@ -1,5 +1,6 @@
 """The scale map as one more channel: how it is weighted, where a synthesis starts, what it asks of the exemplar."""
 
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -32,21 +33,30 @@ def scale_factor(colours: Array, scale: Array, weight: float) -> float:
     return weight * (total if total > 0 else 1.0) / spread
 
 
-def trust(scale: Array, chosen: NDArray[np.bool_]) -> float:
+def trust(scale: Array, chosen: NDArray[np.bool_], planes: Sequence[tuple[Array, NDArray[np.bool_]]] = ()) -> float:
     """How far a measured map (h, w) is more than noise where ``chosen``: from 0.1 to 1.
 
     Maps that are measured on a texture of one size spread by 1 to 9 % all the same, and no plane explains more than
     two thirds of that. Guided by them at full weight, what has the same noise is put side by side again and again. So
-    what spreads by 20 % counts fully, and what lies on a plane, however little it spreads.
+    what spreads by 20 % counts fully, and what lies on a plane, however little it spreads. A map that is put together
+    from several tells no plane: then these, each with what is chosen of it, are the ``planes``.
     """
-    step = max(1, max(scale.shape) // FITTED)
-    values, known = scale[::step, ::step].astype(np.float64), chosen[::step, ::step]
+    values, known = _thinned(scale, chosen)
     if not known.any():
         return 1.0
-    spread = float(np.std(np.log(values[known])))
-    share = plane_share(values[known], fitted_plane(values, known)[known])
-    trusted = max(LEAST, _ramp(spread, *SPREADS), _ramp(share, *SHARES))
+    trusted = max(LEAST, _ramp(float(np.std(np.log(values[known]))), *SPREADS))
+    for part in planes or [(scale, chosen)]:
+        values, known = _thinned(*part)
+        if known.any():
+            share = plane_share(values[known], fitted_plane(values, known)[known])
+            trusted = max(trusted, _ramp(share, *SHARES))
     return round(trusted, 2)  # the last bits of a fit may differ with the number of threads, those of a picture may not
+
+
+def _thinned(scale: Array, chosen: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """A map and what is chosen of it, at every so many pixels."""
+    step = max(1, max(scale.shape) // FITTED)
+    return scale[::step, ::step].astype(np.float64), chosen[::step, ::step]
 
 
 def _ramp(value: float, low: float, high: float) -> float:

@@ -164,7 +164,9 @@ def border(plan: Sequence[Stage], level: int) -> int:
 
     A pixel at the output's border lies at the border of all its windows, so without this its sources would lie near
     the same border of the exemplar. On coarse levels, where a window is half the exemplar, plain synthesis would then
-    repeat the exemplar's layout, and with it a trend of texel sizes that it should not know of.
+    repeat the exemplar's layout, and with it a trend of texel sizes that it should not know of. A synthesis that is led
+    by a target does without: windows beyond the output would ask for the rarest scales, those at the borders, again and
+    again, and as all windows share the exemplar, those inside would have to do with middle ones.
     """
     return 0 if level == 0 else max(stage.window for stage in plan if stage.level == level)
 

@@ -98,10 +98,14 @@ class Problem:
     wrap: tuple[bool, bool] = (False, False)
 
     @property
+    def led(self) -> bool:
+        """Whether a guide stays at a target."""
+        return self.hold and self.target is not None
+
+    @property
     def voted(self) -> int:
         """How many channels the vote fills."""
-        held = self.hold and self.target is not None
-        return int((self.exemplar if held else self.channels).shape[2])
+        return int((self.exemplar if self.led else self.channels).shape[2])
 
     @property
     def channels(self) -> Array:

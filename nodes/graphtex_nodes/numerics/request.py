@@ -21,12 +21,16 @@ MISSING_WORTH_TELLING = 0.01
 
 @dataclass(frozen=True)
 class Scales:
-    """The scale channel: maps of the exemplar and of the output, their weight, and whether the output's is held."""
+    """The scale channel: maps of the exemplar and of the output, their weight, and whether the output's is held.
+
+    If the exemplar is a sheet of several and of copies, ``parts`` are those which it was made from.
+    """
 
     exemplar: Array | None
     target: Array | None
     weight: float
     hold: bool
+    parts: Sequence[Atlas] = ()
 
 
 @dataclass(frozen=True)
@@ -173,7 +177,8 @@ def _scale_guide(
 ) -> Guide:
     assert scales.exemplar is not None
     have = scales.exemplar[chosen]
-    trust = guidance.trust(scales.exemplar, chosen)
+    planes = [(part.scale, part.usable) for part in scales.parts if part.scale is not None]
+    trust = guidance.trust(scales.exemplar, chosen, planes)
     if trust < DOUBTFUL:
         work.warn(
             f"exemplar_scale varies by {float(np.std(np.log(have), dtype=np.float64)):.0%} only, and not like a plane: "

@@ -97,7 +97,8 @@ def synthesise(
         at, windows = stage.level, coming()
         for then in plan[number + 1 : number + 2]:
             coming = aside(partial(_windows, problem, settings, then, images[then.level], Alone()), work)
-        level = _open(problem, settings, stage, 0 if problem.bounded else border(plan, at), images[at], windows, work)
+        margin = 0 if problem.bounded or problem.led else border(plan, at)
+        level = _open(problem, settings, stage, margin, images[at], windows, work)
         if before is None:
             field = _start(level, problem.exemplar.shape[2] if problem.target is not None else 0, rng)
         else:

@@ -236,7 +236,7 @@ def optimize(
     problem = request.pose(
         sheet.picture,
         size,
-        request.Scales(sheet.scale, target_scale, scale_weight, scale_mode == "fixed"),
+        request.Scales(sheet.scale, target_scale, scale_weight, scale_mode == "fixed", exemplars),
         ctx,
         directions=request.Directions(sheet.angle, target_angle, angle_weight, arrows),
         usable=sheet.usable,

@@ -36,6 +36,16 @@ def test_trust_looks_at_what_is_chosen():
     assert guidance.trust(scale, chosen) == 0.1
 
 
+def test_copies_of_a_plane_do_not_make_it_noise():
+    """A plane of 4 % and a copy of it, 12 % smaller: together no plane; each part tells that they are no noise."""
+    plane = np.exp(np.linspace(-0.07, 0.07, 64))[:, None] * np.ones((1, 40))
+    sheet = np.concatenate([plane, plane / 1.12]).astype(np.float32)
+    every = np.ones(sheet.shape, bool)
+    parts = [(half, np.ones(half.shape, bool)) for half in np.split(sheet, 2)]
+    assert guidance.trust(sheet, every) < 0.5
+    assert guidance.trust(sheet, every, parts) == 1
+
+
 @pytest.mark.parametrize(("target", "share"), [([0.5, 2.0], 0), ([0.4, 1.0], 0.5), ([4, 0.2], 1), ([0.48, 2.09], 0)])
 def test_missing_share(target, share):
     assert guidance.missing_share(ROWS, np.array([target], np.float32)) == share
