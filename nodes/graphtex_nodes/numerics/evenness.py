@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics.parallel import Work
-from graphtex_nodes.numerics.transport import MOST_PLACES, prices
+from graphtex_nodes.numerics.transport import MOST_PLACES, Market, market
 from graphtex_nodes.numerics.window_mean import window_mean
 
 Array = NDArray[np.float32]
@@ -19,24 +18,18 @@ SMOOTH = 1 / 3
 """Mean squared difference of a window's neighbouring pixels, in that of all, below which it counts as smooth."""
 
 
-def standing(
-    windows: Array, features: Array, share: Array, crowd: Array | None, *, evenness: float, step: int,
-    allowed: Flags | None, work: Work,
-) -> Array:  # fmt: skip
-    """Cost of each exemplar window (a, b, h, w) beside its distance, for windows in each of a x b tiles of the output.
+def places(features: Array, share: Array, *, evenness: float, step: int, allowed: Flags | None) -> Market | None:
+    """The exemplar's windows as places that have prices; None where they are too many, on fine levels.
 
-    Where the exemplar has few windows, on coarse levels, these are prices at which windows share all of them. So parts
-    of the exemplar keep their share of the output, which finer levels do not change much. Besides, what :func:`crowd`
-    charges. All this hardly changes from one turn to the next: see :func:`lasting`.
+    With prices windows share all of the exemplar's coarse levels. So its parts keep their share of the output, which
+    finer levels do not change much.
 
     Parameters
     ----------
-    windows, features
-        Coordinates of the windows that look for a source (rows, columns, k), and of the exemplar's (h, w, k).
+    features
+        Coordinates of the exemplar's windows (h, w, k).
     share
         How often each exemplar window should be used (h, w), relative to the mean.
-    crowd
-        What is charged besides (a, b, h, w); None = nothing.
     evenness
         Firmness of prices in variances of ``features``.
     step
@@ -45,45 +38,52 @@ def standing(
     allowed
         Exemplar windows (h, w) that may be used; None = all.
     """
-    height, width = features.shape[:2]
-    result = np.zeros((height, width), np.float32)
-    if evenness > 0 and _count(share, allowed) <= MOST_PLACES:
-        may = np.ones((height, width), bool) if allowed is None else allowed
-        rows, columns = np.nonzero(may)
-        cells = np.unique(rows // step * width + columns // step, return_inverse=True)[1]
-        result[may] = prices(windows.reshape(-1, windows.shape[2]), features[may], share[may], evenness, work, cells)
-    return result[None, None] if crowd is None else crowd + result
+    if evenness <= 0 or _count(share, allowed) > MOST_PLACES:
+        return None
+    may = np.ones(share.shape, bool) if allowed is None else allowed
+    rows, columns = np.nonzero(may)
+    cells = np.unique(rows // step * share.shape[1] + columns // step, return_inverse=True)[1]
+    return market(features[may], share[may], cells)
 
 
-def crowd(
-    field: Field, features: Array, share: Array, relief: Array, *, evenness: float, step: int, allowed: Flags | None
-) -> Array | None:  # fmt: skip
-    """What exemplar windows cost more where they are shown near by: (a, b, h, w), in each of a x b tiles of the output.
+def crowded(share: Array, *, evenness: float, allowed: Flags | None) -> bool:
+    """Whether copies are charged for being close together: see :func:`crowd`.
 
-    None on fine levels, where all is arranged, and where some places are wanted more than others: those that a guide
+    Not on fine levels, where all is arranged, nor where some places are wanted more than others: those that a guide
     asks for in one part of the output are few, and must repeat.
+    """
+    return evenness > 0 and _count(share, allowed) <= MOST_CROWDED and not np.ptp(share) > 0
+
+
+def crowd(field: Field, relief: Array, *, variance: float, evenness: float, step: int) -> tuple[Array, int]:
+    """What cells of the exemplar cost more where they are shown near by, and the side of a cell.
 
     Parameters
     ----------
     field
         The sources found last (rows, columns, 2).
     relief
-        Share (h, w) of the charge that a window pays: see :func:`local_relief`.
-    features, share, evenness, step, allowed
-        See :func:`standing`.
+        Share (h, w) of the charge that each of the exemplar's windows pays: see :func:`local_relief`.
+    variance
+        Total variance of the exemplar's windows.
+    evenness, step
+        See :func:`places`.
+
+    Returns
+    -------
+    charge, cell
+        float32 (a, b, h / cell, w / cell), both rounded up, in each of a x b tiles of the output.
     """
-    if evenness <= 0 or _count(share, allowed) > MOST_CROWDED or np.ptp(share) > 0:
-        return None
-    height, width = features.shape[:2]
-    variance = features.var(axis=(0, 1), dtype=np.float64).sum()
-    copies, cell = crowding(field, (height, width), step)
+    copies, cell = crowding(field, (relief.shape[0], relief.shape[1]), step)
     copies *= relief[::cell, ::cell] * np.float32(CROWDED * evenness * variance)
-    charges: Array = copies.take(np.arange(height) // cell, 2).take(np.arange(width) // cell, 3)
-    return charges
+    return copies, cell
 
 
 def lasting(share: Array, allowed: Flags | None) -> int:
-    """Turns for which a standing charge lasts: fewer where it holds prices than where it tells of crowding alone."""
+    """Turns for which prices and what :func:`crowd` charges last: they hardly change from one to the next.
+
+    Fewer where there are prices than where crowding alone is charged.
+    """
     return 2 if _count(share, allowed) <= MOST_PLACES else 4
 
 
@@ -101,7 +101,7 @@ def charge(
     Parameters
     ----------
     share, relief, field, allowed
-        See :func:`crowd`.
+        See :func:`places` and :func:`crowd`.
     mean
         Mean squared distance of the sources found last, 0 if none were.
     evenness

@@ -1,5 +1,7 @@
 """Nearest exemplar windows: exact, or PatchMatch from a good start."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,13 +18,40 @@ LIST_LIMIT = 4e9
 """Multiply-adds of the first search of all; beyond that it sees a regular part of the exemplar's windows."""
 
 
+@dataclass(frozen=True)
+class Charge:
+    """What exemplar windows cost beside their squared distance.
+
+    Attributes
+    ----------
+    own
+        Charge of each window (h, w); infinite where it must not be used.
+    shared
+        What all windows of a cell are charged besides (a, b, h / cell, w / cell), both rounded up, in each of a x b
+        tiles of the windows that look for a source another; None = nothing.
+    cell
+        Side of a cell in windows.
+    """
+
+    own: Array
+    shared: Array | None = None
+    cell: int = 1
+
+    def tables(self) -> tuple[Array, Array, NDArray[np.int32]]:
+        """Both charges, and the numbers of the cells along rows and columns."""
+        sides = np.arange(max(self.own.shape), dtype=np.int32)
+        if self.shared is None:
+            return self.own, np.zeros((1, 1, 1, 1), np.float32), np.zeros_like(sides)
+        return self.own, self.shared, sides // np.int32(self.cell)
+
+
 def exact_cost(windows: Array, exemplar: Array) -> float:
     """Multiply-adds of an exact search."""
     return float(windows[..., 0].size) * exemplar.size
 
 
 def search_exact(
-    windows: Array, exemplar: Array, charge: Array, work: Work, wanted: Flags | None = None
+    windows: Array, exemplar: Array, charge: Charge, work: Work, wanted: Flags | None = None
 ) -> tuple[Field, Array]:
     """Best exemplar window for each window, by brute force.
 
@@ -33,8 +62,7 @@ def search_exact(
     exemplar
         Coordinates (h, w, k) of the exemplar's windows.
     charge
-        Added to the squared distance (a, b, h, w), in each of a x b tiles of the windows another; infinite where an
-        exemplar window must not be used.
+        Added to the squared distance.
     wanted
         Which windows look for a source (rows, columns); None = all. The distances of others are 0.
 
@@ -44,23 +72,23 @@ def search_exact(
         Row and column of the source, int32 (rows, columns, 2), and squared distance without charge (rows, columns).
     """
     rows, columns = windows.shape[:2]
-    places = np.argwhere(np.isfinite(charge[0, 0])).astype(np.int32)
-    seen = exact_cost(windows, exemplar) * len(places) / charge[0, 0].size
+    places = np.argwhere(np.isfinite(charge.own)).astype(np.int32)
+    seen = exact_cost(windows, exemplar) * len(places) / charge.own.size
     stride = min(len(places), int(np.ceil(seen / LIST_LIMIT)))
     places = np.ascontiguousarray(places[(stride - 1) // 2 :: stride])
     field = np.zeros((rows, columns, 2), np.int32)
     distances = np.zeros((rows, columns), np.float32)
-    flags = _flags(wanted, distances)
+    flags, tables = _flags(wanted, distances), charge.tables()
 
     def band(first: int, stop: int) -> None:
-        search_kernels.search_listed(windows, exemplar, places, charge, flags, field, distances, first, stop)
+        search_kernels.search_listed(windows, exemplar, places, *tables, flags, field, distances, first, stop)
 
     for_rows(band, rows, columns * len(places) * windows.shape[2] / 2, work)
     return field, distances
 
 
 def search_warm(
-    windows: Array, exemplar: Array, charge: Array, field: Field, *, step: int, seed: int, passes: int, work: Work,
+    windows: Array, exemplar: Array, charge: Charge, field: Field, *, step: int, seed: int, passes: int, work: Work,
     wanted: Flags | None = None,
 ) -> tuple[Field, Array]:  # fmt: skip
     """PatchMatch (Barnes et al. 2009) from the given field; parameters as :func:`search_exact`.
@@ -72,7 +100,7 @@ def search_warm(
     """
     rows, columns = field.shape[:2]
     distances = np.zeros((rows, columns), np.float32)
-    flags = _flags(wanted, distances)
+    flags, tables = _flags(wanted, distances), charge.tables()
     seeds = np.random.SeedSequence(seed).generate_state(passes, np.uint64)
     reach = max(exemplar.shape[:2])
     for number in range(passes):
@@ -88,7 +116,7 @@ def search_warm(
             jump: int = jump,
         ) -> None:
             search_kernels.search_near(
-                windows, exemplar, charge, flags, before, after, distances, step, jump, reach, seed, first, stop
+                windows, exemplar, *tables, flags, before, after, distances, step, jump, reach, seed, first, stop
             )
 
         for_rows(band, rows, columns * 20 * windows.shape[2], work)

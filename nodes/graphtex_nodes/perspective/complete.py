@@ -17,6 +17,7 @@ PIECES = ("join_kernels",)
 WINDOWS = (
     "window_kernels",
     "search_kernels",
+    "transport_kernels",
     "vote_kernels",
     "cut_kernels",
     "seam_kernels",

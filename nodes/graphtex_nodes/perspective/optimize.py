@@ -203,7 +203,9 @@ def optimize(
     """
     from graphtex_nodes.numerics.jit import announce
 
-    announce(ctx, "window_kernels", "search_kernels", "vote_kernels", "cut_kernels", "seam_kernels")
+    announce(
+        ctx, "window_kernels", "search_kernels", "transport_kernels", "vote_kernels", "cut_kernels", "seam_kernels"
+    )
     from graphtex_nodes.numerics import atlas, request, seams, sources
     from graphtex_nodes.numerics import levels as plans
     from graphtex_nodes.numerics.materials import renormalised, require_stack

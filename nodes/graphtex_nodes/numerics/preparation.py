@@ -1,0 +1,169 @@
+"""What a synthesis has on a level before it searches: the exemplar's windows, and a canvas with what is known."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from graphtex_nodes.numerics import evenness
+from graphtex_nodes.numerics.frames import Frame, nearest_places, whole_windows
+from graphtex_nodes.numerics.guidance import random_blocks
+from graphtex_nodes.numerics.histogram import Histograms
+from graphtex_nodes.numerics.levels import Stage
+from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics.problem import Array, Field, Flags, Given, Problem, Settings
+from graphtex_nodes.numerics.transport import Market
+from graphtex_nodes.numerics.voting import weighted_pixels, window_falloff
+from graphtex_nodes.numerics.windows import DIRECTIONS, Basis, principal_basis
+
+FADING = 0.25
+"""Windows' sides over which the weight of what is not known yet falls to 1/e of that beside known pixels."""
+LEAST = 0.05
+"""Least such weight."""
+QUICK = 2e10
+"""Multiply-adds for all windows of an exemplar that take some tenths of a second."""
+
+
+@dataclass(frozen=True)
+class Windows:
+    """The exemplar's windows on a level.
+
+    Attributes
+    ----------
+    basis, features
+        Their components, and their coordinates (h, w, k).
+    histograms
+        Those of the exemplar's pixels.
+    relief
+        What share of a charge each pays (h, w).
+    share
+        How often each should be used (h, w), relative to the mean.
+    allowed, nearest
+        Those that may be used (h, w), and the nearest of them (h, w, 2) for each; None where all may.
+    market
+        What prices are found from; None where there are none.
+    variance
+        Total variance of the coordinates where copies are charged for being close together, else 0.
+    """
+
+    basis: Basis
+    features: Array
+    histograms: Histograms
+    relief: Array
+    share: Array
+    allowed: Flags | None
+    nearest: Field | None
+    market: Market | None
+    variance: float
+
+
+@dataclass(frozen=True)
+class Level:
+    """The exemplar and the canvas on one level with one window.
+
+    ``wanted`` are the windows that look for a source, ``known`` the canvas pixels that stay, ``trust`` how much windows
+    count beside them; None where nothing is known.
+    """
+
+    exemplar: Array
+    windows: Windows
+    canvas: Array
+    voted: int
+    frame: Frame
+    falloff: Array
+    wanted: Flags | None
+    known: Flags | None
+    trust: Array | None
+
+    def weighted(self, gain: float) -> Array:
+        """The exemplar's pixels with weights in a vote, by what the canvas holds too much of (equation 8)."""
+        counted = None if self.known is None or self.known.all() else ~self.known
+        weights = self.windows.histograms.pixel_weights(self.canvas, gain, counted)
+        return weighted_pixels(self.exemplar[..., : self.voted], weights)
+
+
+def exemplar_windows(
+    problem: Problem, settings: Settings, stage: Stage, step: int, given: Given, work: Work
+) -> Windows:
+    """The exemplar's windows on a level where those of the canvas lie ``step`` pixels apart.
+
+    They are without coordinates where no iteration looks for any, as what was found before is copied.
+    """
+    window, exemplar = stage.window, given.exemplar
+    colours, channels = problem.exemplar.shape[2], exemplar.shape[2]
+    counted = slice(None) if given.usable is None else given.usable
+    histograms = Histograms(exemplar[..., : problem.voted], given.importance, counted)
+    allowed = None if given.usable is None else whole_windows(given.usable, window)
+    nearest = None if allowed is None else nearest_places(allowed)
+    share = np.maximum(centres(given.importance, window), 1e-3)
+    if stage.iterations == 0:
+        basis = Basis(window, np.zeros((0, 0), np.float32), np.zeros(0, np.float32))
+        features = np.zeros((*share.shape, 0), np.float32)
+        return Windows(basis, features, histograms, np.ones_like(share), share, allowed, nearest, None, 0.0)
+    groups = [(slice(0, channels if settings.joint else colours), settings.detail)]
+    if channels > colours and not settings.joint:
+        groups.append((slice(colours, channels), 0.0))
+    weights = [*(settings.weights or [1.0] * colours), *[1.0] * (channels - colours)]
+    basis = principal_basis(exemplar, window, groups, settings.variance, work, allowed, weights, settings.directions)
+    features = basis.project(exemplar, 1, work, allowed)
+    market, variance = None, 0.0
+    if given.known is None:
+        market = evenness.places(features, share, evenness=settings.evenness, step=step, allowed=allowed)
+        if evenness.crowded(share, evenness=settings.evenness, allowed=allowed):
+            variance = float(features.var(axis=(0, 1), dtype=np.float64).sum())
+    relief = evenness.local_relief(exemplar[..., :colours], window)
+    return Windows(basis, features, histograms, relief, share, allowed, nearest, market, variance)
+
+
+def quick(stage: Stage, given: Given) -> bool:
+    """Whether :func:`exemplar_windows` takes some tenths of a second at most."""
+    return given.exemplar.size * stage.window**2 * DIRECTIONS <= QUICK
+
+
+def open_level(
+    problem: Problem, settings: Settings, stage: Stage, frame: Frame, given: Given, windows: Windows
+) -> Level:  # fmt: skip
+    """A level with a canvas that shows what is known of the output."""
+    window = stage.window
+    colours, channels = problem.exemplar.shape[2], given.exemplar.shape[2]
+    canvas = np.zeros((*frame.grid.canvas, channels), np.float32)
+    if given.target is not None:
+        canvas[..., colours:] = frame.spread(given.target)
+    known = wanted = trust = None
+    if given.start is not None:
+        canvas[..., :colours] = frame.spread(given.start)
+    if given.known is not None:
+        known = frame.spread(given.known) & frame.inside()
+        wanted = ~whole_windows(known, window, frame.grid.step)
+        trust = _trust(known, window)[:: frame.grid.step, :: frame.grid.step]
+    falloff = window_falloff(window, settings.falloff)
+    return Level(given.exemplar, windows, canvas, problem.voted, frame, falloff, wanted, known, trust)
+
+
+def first_field(level: Level, colours: int, rng: np.random.Generator) -> Field:
+    """Random blocks as large as a window; with a guide behind so many colours, 0 = none, such as it asks for."""
+    grid = level.frame.grid
+    shape = level.windows.share.shape
+    block = max(1, grid.window // grid.step)
+    present = wanted = None
+    if colours:
+        present = centres(level.exemplar[..., colours:], grid.window)
+        wanted = centres(level.canvas[..., colours:], grid.window)[:: grid.step, :: grid.step]
+    return random_blocks((grid.rows, grid.columns), (shape[0], shape[1]), block, grid.step, rng, wanted, present)
+
+
+def centres(values: Any, window: int) -> Any:
+    """Values (h, w, ...) at the centres of all windows."""
+    low, high = (window - 1) // 2, window // 2
+    return values[low : values.shape[0] - high, low : values.shape[1] - high]
+
+
+def _trust(known: Flags, window: int) -> Array:
+    """How much windows count in the vote: less the farther their centres are from known pixels (Wexler et al. 2007)."""
+    from scipy.ndimage import distance_transform_edt
+
+    if not known.any():
+        return np.ones_like(centres(known, window), np.float32)
+    trust = np.exp(-distance_transform_edt(~known) / (FADING * window))
+    result: Array = centres(np.maximum(trust, LEAST).astype(np.float32), window)
+    return result
