@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from graphtex_nodes.numerics import evenness_kernels
 from graphtex_nodes.numerics.transport import MOST_PLACES, Market, market
 from graphtex_nodes.numerics.window_mean import window_mean
 
@@ -139,32 +140,15 @@ def crowding(field: Field, shape: tuple[int, int], step: int) -> tuple[Array, in
         float32 (a, b, h / cell, w / cell), both rounded up, and the side of a cell in windows of the exemplar. Cells
         are smaller than tiles, and neighbouring ones share what they are shown: they hold the same elements.
     """
-    from scipy.ndimage import uniform_filter
-
     reach = min(shape) / 2 / step
     tile = max(1, round(reach / 3))
     cell = step * max(1, tile // 2)
     sides = [-(-side // tile) for side in field.shape[:2]]
     cells = [-(-side // cell) for side in shape]
-    rows, columns = (np.arange(side) * count // side for side, count in zip(field.shape[:2], sides, strict=True))
-    place = (rows[:, None] * sides[1] + columns) * cells[0] + field[..., 0] // cell
-    place = place * cells[1] + field[..., 1] // cell
-    counts = np.bincount(place.ravel(), minlength=int(np.prod(sides + cells))).reshape(*sides, *cells).astype(np.int32)
-    others = _around(counts, round(reach / tile)) - _around(counts, 1)
-    copies = uniform_filter(np.maximum(others, 0).astype(np.float32), (1, 1, 3, 3), mode="nearest")
-    return copies * np.float32((step / cell) ** 2), cell
-
-
-def _around(counts: NDArray[np.int32], radius: int) -> NDArray[np.int32]:
-    """Sums (a, b, ...) over the tiles at most ``radius`` away each way."""
-    for axis in (0, 1):
-        lines = counts.swapaxes(0, axis)
-        total = lines.copy()
-        for shift in range(1, min(radius, len(lines) - 1) + 1):
-            total[shift:] += lines[:-shift]
-            total[:-shift] += lines[shift:]
-        counts = total.swapaxes(0, axis)
-    return counts
+    counts, copies = np.empty((*sides, *cells), np.int32), np.empty((*sides, *cells), np.float32)
+    evenness_kernels.copies_around(field, round(reach / tile), cell, counts, copies)
+    copies *= np.float32((step / cell) ** 2)
+    return copies, cell
 
 
 def local_relief(image: Array, window: int) -> Array:

@@ -12,16 +12,21 @@ def exponents(windows, columns, lengths, steepest, out, first, stop):
     """How much more each place costs a window than its cheapest one (n, m), negative, at most ``steepest`` of it.
 
     ``windows`` (n, k) are twice the coordinates, ``columns`` (k, m) those of the places and ``lengths`` (m,) their
-    squared lengths. Sums run over k in order, so they do not depend on how many places are added to at once.
+    squared lengths. Sums run over k in order, so they do not depend on how many places are added to at once. Four
+    coordinates at a time share each load of a sum.
     """
     for row in range(first, stop):
         line = out[row]
         line[:] = 0
-        for k in range(columns.shape[0]):
-            factor = windows[row, k]
-            column = columns[k]
+        count = columns.shape[0]
+        for k in range(0, count - 3, 4):
+            a, b, c, d = windows[row, k], windows[row, k + 1], windows[row, k + 2], windows[row, k + 3]
+            one, two, three, four = columns[k], columns[k + 1], columns[k + 2], columns[k + 3]
             for place in range(line.shape[0]):
-                line[place] += factor * column[place]
+                line[place] = (((line[place] + a * one[place]) + b * two[place]) + c * three[place]) + d * four[place]
+        for k in range(count - count % 4, count):
+            for place in range(line.shape[0]):
+                line[place] += windows[row, k] * columns[k, place]
         least = np.float32(np.inf)
         for place in range(line.shape[0]):
             line[place] = lengths[place] - line[place]

@@ -1,4 +1,4 @@
-"""The parameters of Optimize: types, ranges, and what each says in one line."""
+"""The parameters of Optimize: types, ranges, and what each says in one line; what its qualities do, what all need."""
 
 from typing import Annotated, Literal, NamedTuple
 
@@ -81,3 +81,14 @@ EFFORT = {
     "fast": Effort(2, 2, 1, 48, cut=False, moves=10),
     "preview": Effort(0, 8, 1, 24, cut=False, moves=0),
 }
+
+SYNTHESIS_KERNELS = (
+    "window_kernels",
+    "search_kernels",
+    "evenness_kernels",
+    "transport_kernels",
+    "vote_kernels",
+    "cut_kernels",
+    "seam_kernels",
+)
+"""Files of the kernels that a synthesis from windows needs."""

@@ -7,21 +7,13 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Axes, Context, Image, Mask, Rng, ScaleMap, SourceMap, node
-from graphtex_nodes.perspective._parameters import Kinds
+from graphtex_nodes.perspective._parameters import SYNTHESIS_KERNELS, Kinds
 
 Array = NDArray[Any]
 Box = tuple[slice, slice]
 
 LEAST_REACH = 64  # pixels around a small hole
 PIECES = ("join_kernels",)
-WINDOWS = (
-    "window_kernels",
-    "search_kernels",
-    "transport_kernels",
-    "vote_kernels",
-    "cut_kernels",
-    "seam_kernels",
-)  # needed where pieces leave a rest, too
 BLOCK = 16  # pixels; parts of a hole that are four or more such blocks apart are filled each on its own
 
 
@@ -143,7 +135,7 @@ def complete(
     if hole.any() and not usable.any():
         raise ValueError(f"source: expected some pixels outside the hole, got none in shape {hole.shape}")
 
-    announce(ctx, *(PIECES if method == "pieces" else WINDOWS))
+    announce(ctx, *(PIECES if method == "pieces" else SYNTHESIS_KERNELS))
     from graphtex_nodes.numerics.problem import Settings
     from graphtex_nodes.perspective._canvas import Canvas
 
@@ -166,7 +158,7 @@ def complete(
         if method == "pieces":
             rest = canvas.put_pieces(part, sight, scale_weight > 0, work)
         if rest.any():
-            announce(ctx, *WINDOWS)
+            announce(ctx, *SYNTHESIS_KERNELS)
             canvas.put_windows(part, rest, box, taken, scale_weight, plan, rng, work)
     canvas.image[hole] = renormalised(canvas.image[hole], kinds)
     return Completion(canvas.image, canvas.scales, canvas.places)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from graphtex import QUIET, AngleMap, Axes, Context, Image, Mask, Number, Rng, ScaleMap, SourceMap, Vector, node
 from graphtex_nodes.perspective._parameters import (
     EFFORT,
+    SYNTHESIS_KERNELS,
     AngleWeight,
     Arrows,
     Components,
@@ -203,9 +204,7 @@ def optimize(
     """
     from graphtex_nodes.numerics.jit import announce
 
-    announce(
-        ctx, "window_kernels", "search_kernels", "transport_kernels", "vote_kernels", "cut_kernels", "seam_kernels"
-    )
+    announce(ctx, *SYNTHESIS_KERNELS)
     from graphtex_nodes.numerics import atlas, request, seams, sources
     from graphtex_nodes.numerics import levels as plans
     from graphtex_nodes.numerics.materials import renormalised, require_stack
