@@ -99,23 +99,28 @@ def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: W
 
 
 @contextmanager
-def begun_rows(task: Callable[[int, int], object], rows: int, cost: float, work: Work) -> Iterator[Callable[[], None]]:
+def begun_rows(
+    task: Callable[[int, int], object], rows: int, cost: float, work: Work, lead: float = 0.0
+) -> Iterator[Callable[[], None]]:
     """:func:`for_rows` in two steps: idle threads begin at once, the function that is given does what is left.
 
-    In between the caller may do something else that reads and writes nothing that a band writes or reads.
+    In between the caller may do something else that reads and writes nothing that a band writes or reads. If that holds
+    the GIL, helpers cannot go from band to band meanwhile: ``lead`` is the share of the rows in the first band.
     """
     band = max(1, min(rows, int(SLICE / max(cost, 1.0))))
     helpers = work.threads - 1 if rows * cost > WORTH_THREADS else 0
     if helpers:
         band = max(1, min(band, -(-rows // (BANDS * work.threads))))
-    left = iter(range(0, rows, band))  # advancing a range is one step under the GIL: each band is taken once
-    helpers = min(helpers, -(-rows // band) - 1)
-    others = [_pool().submit(_take, task, left, band, rows) for _ in range(helpers)]
+    ahead = max(band, min(int(lead * rows), int(SLICE / max(cost, 1.0)))) if helpers else band
+    edges = [*range(0, rows, ahead)[:1], *range(ahead, rows, band), rows]
+    left = iter(list(zip(edges, edges[1:], strict=False)))  # one step under the GIL: each band is taken once
+    helpers = min(helpers, len(edges) - 2)
+    others = [_pool().submit(_take, task, left) for _ in range(helpers)]
 
     def finish() -> None:
-        for first in left:
+        for first, stop in left:
             work.check()
-            task(first, min(first + band, rows))
+            task(first, stop)
         for other in others:
             if not other.cancel():
                 other.result()
@@ -148,10 +153,10 @@ def aside(task: Callable[[], Result], work: Work) -> Callable[[], Result]:
     return result
 
 
-def _take(task: Callable[[int, int], object], left: Iterator[int], band: int, rows: int) -> None:
+def _take(task: Callable[[int, int], object], left: Iterator[tuple[int, int]]) -> None:
     """Work on bands as long as there are some."""
-    for first in left:
-        task(first, min(first + band, rows))
+    for first, stop in left:
+        task(first, stop)
 
 
 @cache
