@@ -126,12 +126,15 @@ def transfer(
         nearest = np.clip(np.rint(corner / old.grid.step), 0, size - 1).astype(np.int64)
         middle = nearest * old.grid.step + old.grid.window / 2 - old.margins[axis]
         apart = centre - stretch * middle + (factor * old.grid.window - new.grid.window) / 2
-        places.append((nearest, np.rint(apart).astype(np.int64)))
+        places.append((nearest, np.rint(apart).astype(np.int32)))
     (rows, down), (columns, right) = places
-    result = factor * field[np.ix_(rows, columns)].astype(np.int64)
-    result[..., 0] += down[:, None]
-    result[..., 1] += right[None, :]
-    return np.clip(result, 0, np.array(shape) - 1).astype(np.int32)
+    result = field.take(rows, 0).take(columns, 1)
+    result *= np.int32(factor)
+    for axis, apart in enumerate((down[:, None], right)):
+        part = result[..., axis]
+        part += apart
+        np.clip(part, 0, shape[axis] - 1, out=part)
+    return result
 
 
 def replayed(

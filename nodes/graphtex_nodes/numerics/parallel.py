@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from typing import Protocol, TypeVar
 
 
@@ -113,7 +114,7 @@ def begun_rows(
         band = max(1, min(band, -(-rows // (BANDS * work.threads))))
     ahead = max(band, min(int(lead * rows), int(SLICE / max(cost, 1.0)))) if helpers else band
     edges = [*range(0, rows, ahead)[:1], *range(ahead, rows, band), rows]
-    left = iter(list(zip(edges, edges[1:], strict=False)))  # one step under the GIL: each band is taken once
+    left = iter(list(pairwise(edges)))  # one step under the GIL: each band is taken once
     helpers = min(helpers, len(edges) - 2)
     others = [_pool().submit(_take, task, left) for _ in range(helpers)]
 

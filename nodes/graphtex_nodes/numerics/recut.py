@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics import cut_kernels
-from graphtex_nodes.numerics.parallel import Work, begun_rows
+from graphtex_nodes.numerics import cut_kernels, piece_kernels
+from graphtex_nodes.numerics.parallel import Work, begun_rows, for_rows
+from graphtex_nodes.numerics.piece_kernels import AREA
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
@@ -72,7 +73,9 @@ def recut(
     """
     height, width = source.shape[:2]
     halves = [side // 2 if around else 0 for side, around in zip((height, width), wrap, strict=True)]
-    for turn in (halves, [-half for half in halves]) if any(halves) else ([0, 0],):
+    if not any(halves):
+        return _recut(exemplar, usable, image, source, costs, work, wrap)
+    for turn in (halves, [-half for half in halves]):
         # borders that join come to lie in the middle, where pieces can grow over them, then back again
         source, image = np.roll(source, turn, (0, 1)), np.ascontiguousarray(np.roll(image, turn, (0, 1)))
         source = _recut(exemplar, usable, image, source, costs, work, wrap)
@@ -98,24 +101,15 @@ def _recut(
                 free.swapaxes(0, axis)[[0, -1]] = False
         _grow(exemplar, usable, image, known, pieces, free, (side, step, reach), costs, work)
     # between scraps that nothing took over seams stay where they were to the pixel
-    labels = _labels(pieces)
-    settled = np.bincount(labels.ravel())[labels] >= LEAST // SIDES[-1][0] ** 2
-    settled |= (pieces[..., 0] != before[..., 0]) | (pieces[..., 1] != before[..., 1])
-    result = source.copy()
-    places = [np.arange(count, dtype=np.int32) for count in known.shape]
-    down, right = (_enlarged(pieces[..., axis], SIDES[-1][0], known.shape) for axis in (0, 1))
-    rows, columns = down + places[0][:, None], right + places[1]
-    fits = (
-        ~known
-        & _enlarged(settled, SIDES[-1][0], known.shape)
-        & (rows >= 0)
-        & (rows < usable.shape[0])
-        & (columns >= 0)
-        & (columns < usable.shape[1])
-    )
-    fits[fits] = usable[rows[fits], columns[fits]] != 0
-    np.copyto(result[..., 0], rows, where=fits)
-    np.copyto(result[..., 1], columns, where=fits)
+    labels, found = _pieces(pieces)
+    settled = found[labels, AREA] >= LEAST // SIDES[-1][0] ** 2
+    settled |= _shifts(pieces) != _shifts(before)
+    flags, result = settled.view(np.uint8), source.copy()
+
+    def band(first: int, stop: int) -> None:
+        piece_kernels.settle(pieces, flags, SIDES[-1][0], usable, result, first, stop)
+
+    for_rows(band, result.shape[0], 10.0 * result.shape[1], work)
     return result
 
 
@@ -200,8 +194,10 @@ def _blocks(source: Field, known: Flags, side: int) -> tuple[Field, Flags]:
         y = np.minimum(np.arange(rows) * side + down, known.shape[0] - 1)
         x = np.minimum(np.arange(columns) * side + right, known.shape[1] - 1)
         fresh = ~found & ~known[np.ix_(y, x)]
-        shifts = source[np.ix_(y, x)] - np.stack(np.meshgrid(y, x, indexing="ij"), axis=-1)
-        pieces[fresh] = shifts[fresh]
+        shifts = source.take(y, 0).take(x, 1)
+        shifts[..., 0] -= y[:, None]
+        shifts[..., 1] -= x
+        np.copyto(pieces, shifts, where=fresh[..., None])
         found |= fresh
     return pieces, found
 
@@ -214,34 +210,36 @@ def _enlarged(blocks: NDArray[Any], factor: int, size: Sequence[int]) -> NDArray
 
 def _near_seams(pieces: Field, reach: int) -> Flags:
     """Which blocks have another piece within so many blocks."""
-    from scipy.ndimage import maximum_filter
-
-    seams = np.zeros(pieces.shape[:2], bool)
-    down, right = (pieces[1:] != pieces[:-1]).any(axis=-1), (pieces[:, 1:] != pieces[:, :-1]).any(axis=-1)
-    seams[1:] |= down
-    seams[:-1] |= down
-    seams[:, 1:] |= right
-    seams[:, :-1] |= right
-    near: Flags = maximum_filter(seams, 2 * reach - 1)
+    shifts = _shifts(pieces)
+    near = np.zeros(shifts.shape, bool)
+    down, right = shifts[1:] != shifts[:-1], shifts[:, 1:] != shifts[:, :-1]
+    near[1:] |= down
+    near[:-1] |= down
+    near[:, 1:] |= right
+    near[:, :-1] |= right
+    for lines in (near, near.T):
+        seams = lines.copy("K")
+        for shift in range(1, min(reach, len(lines))):
+            lines[shift:] |= seams[:-shift]
+            lines[:-shift] |= seams[shift:]
     return near
 
 
-def _labels(pieces: Field) -> NDArray[np.int32]:
-    """Number of the piece that each block (rows, columns) of shifts belongs to: what hangs together has one."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+def _shifts(pieces: Field) -> NDArray[np.int64]:
+    """Shifts (rows, columns, 2) as one number each."""
+    shifts: NDArray[np.int64] = np.ascontiguousarray(pieces).view(np.int64)[..., 0]
+    return shifts
 
-    code = pieces[..., 0].astype(np.int64) << 32 | (pieces[..., 1].astype(np.int64) & 0xFFFFFFFF)
-    starts = np.ones(code.shape, bool)
-    np.not_equal(code[:, 1:], code[:, :-1], out=starts[:, 1:])
-    runs = np.cumsum(starts, dtype=np.int32).reshape(code.shape) - 1
-    # one pair for each two runs that touch: where one of them starts
-    touch = (code[1:] == code[:-1]) & (starts[1:] | starts[:-1])
-    ends = runs[1:][touch], runs[:-1][touch]
-    count = int(runs[-1, -1]) + 1
-    graph = coo_array((np.ones(len(ends[0]), np.int8), ends), shape=(count, count))
-    labels: NDArray[np.int32] = connected_components(graph, directed=False)[1][runs]
-    return labels
+
+def _pieces(pieces: Field) -> tuple[Field, NDArray[np.int64]]:
+    """Number of the piece (rows, columns) that each block of shifts belongs to, and what is known of pieces (n, 6).
+
+    What hangs together and has one shift is a piece; for its columns see ``piece_kernels.FIRST``.
+    """
+    labels, count = np.empty(pieces.shape[:2], np.int32), np.zeros(1, np.int64)
+    found = np.empty((labels.size, 6), np.int64)
+    piece_kernels.label_pieces(pieces, labels, found, count)
+    return labels, found[: int(count[0])]
 
 
 def _largest(pieces: Field, least: int, reach: int) -> list[tuple[int, Box]]:
@@ -249,26 +247,10 @@ def _largest(pieces: Field, least: int, reach: int) -> list[tuple[int, Box]]:
 
     Pieces may change before their turn comes: one that was taken over has lost it to what is in its place.
     """
-    from scipy.ndimage import find_objects
-
     rows, columns = pieces.shape[:2]
-    labels = _labels(pieces)
-    area = np.bincount(labels.ravel())
-    order = np.argsort(-area, kind="stable")
-    order = order[: np.count_nonzero(area >= least)]
-    place = np.zeros(area.size, np.intp)
-    place[order] = np.arange(1, order.size + 1)
-    first = np.empty(area.size, np.intp)
-    first[labels.ravel()[::-1]] = np.arange(labels.size)[::-1]  # of all that are written to one place the last stays
+    found = _pieces(pieces)[1]
+    found = found[found[:, AREA] >= least]
     return [
-        (
-            int(first[number]),
-            (
-                max(0, down.start - reach),
-                min(rows, down.stop + reach),
-                max(0, right.start - reach),
-                min(columns, right.stop + reach),
-            ),
-        )
-        for number, (down, right) in zip(order, find_objects(place[labels]), strict=True)
+        (first, (max(0, top - reach), min(rows, bottom + reach), max(0, left - reach), min(columns, right + reach)))
+        for first, _, top, bottom, left, right in found[np.argsort(-found[:, AREA], kind="stable")].tolist()
     ]

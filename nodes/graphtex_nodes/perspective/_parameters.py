@@ -89,6 +89,7 @@ SYNTHESIS_KERNELS = (
     "transport_kernels",
     "vote_kernels",
     "cut_kernels",
+    "piece_kernels",
     "seam_kernels",
 )
 """Files of the kernels that a synthesis from windows needs."""
