@@ -130,9 +130,9 @@ def transfer(
     (rows, down), (columns, right) = places
     result = field.take(rows, 0).take(columns, 1)
     result *= np.int32(factor)
-    for axis, apart in enumerate((down[:, None], right)):
+    for axis, more in enumerate((down[:, None], right)):
         part = result[..., axis]
-        part += apart
+        part += more
         np.clip(part, 0, shape[axis] - 1, out=part)
     return result
 

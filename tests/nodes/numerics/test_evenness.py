@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.ndimage import uniform_filter
 
 from graphtex_nodes import bricks, optimize
 from graphtex_nodes.numerics.evenness import charge, crowding, local_relief, usage
@@ -68,6 +69,25 @@ def test_crowding_by_hand():
     for place in ((3, 3), (2, 4)):
         assert found[0, :, *place] * 9 == pytest.approx([1] * 3 + [0] + [1, 1, 2, 1, 1] + [0] + [1] * 3 + [0] * 11)
     assert found[0, :, 1, 3].max() == 0
+
+
+def test_crowding_against_sums_over_tiles():
+    """Copies in the tiles up to so many away but for the nine nearest, averaged over cells by another library."""
+    rng = np.random.default_rng(4)
+    field = rng.integers(0, 20, (33, 21, 2)).astype(np.int32)
+    found, cell = crowding(field, (20, 23), 2)
+    reach = 2  # half the exemplar, 10 pixels, is 5 windows: tiles of a third of it, 2, and cells of half a tile
+    assert (cell, found.shape) == (2, (17, 11, 10, 12))
+    counts = np.zeros(found.shape)
+    rows, columns = np.indices((33, 21))
+    np.add.at(counts, (rows * 17 // 33, columns * 11 // 21, field[..., 0] // 2, field[..., 1] // 2), 1)
+    for down, right in ((0, 0), (8, 5), (16, 10), (3, 9)):
+        far, near = (
+            counts[max(0, down - r) : down + r + 1, max(0, right - r) : right + r + 1].sum(axis=(0, 1))
+            for r in (reach, 1)
+        )
+        expected = uniform_filter(far - near, 3, mode="nearest")
+        np.testing.assert_allclose(found[down, right], expected, atol=1e-5)
 
 
 def test_copies_keep_apart():

@@ -37,6 +37,21 @@ def test_each_row_once(threads, cost):
     assert (seen == 1).all()
 
 
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("rows", [0, 1, 2, 40])
+@pytest.mark.parametrize("lead", [0.0, 0.4, 1.0])
+def test_work_begun_is_finished_whoever_does_it(threads, rows, lead):
+    seen = np.zeros(rows, int)
+
+    def task(first, stop):
+        seen[first:stop] += 1
+
+    with parallel.begun_rows(task, rows, 1e7, Watch(threads), lead) as finish:
+        time.sleep(0.002)
+        finish()
+    assert (seen == 1).all()
+
+
 @pytest.mark.parametrize("threads", [1, 2])
 def test_cancelling_stops_between_bands(threads):
     seen = np.zeros(50, int)

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from graphtex import Context
-from graphtex_nodes.numerics.recut import Costs, recut
+from graphtex_nodes.numerics.recut import Costs, _pieces, recut
 from graphtex_nodes.numerics.sources import coherence
 
 RNG = np.random.default_rng(5)
@@ -126,3 +127,23 @@ def test_scraps_that_nothing_takes_over_stay():
     image = np.zeros((50, 50, 2), np.float32)
     found = recut(exemplar, np.ones((40, 40), np.uint8), image, source, EVEN, Context())
     np.testing.assert_array_equal(found, source)
+
+
+def test_pieces_against_another_way_to_number_them():
+    """Few shifts at random, so that parts meet in all ways; each shift's parts are numbered by SciPy on its own."""
+    rng = np.random.default_rng(1)
+    shifts = rng.integers(0, 2, (40, 31, 2)).astype(np.int32)
+    labels, found = _pieces(shifts)
+    covered = np.zeros(labels.shape, bool)
+    for y, x in np.ndindex(2, 2):
+        parts, count = ndimage.label((shifts == [y, x]).all(axis=-1))
+        for part, (rows, columns) in enumerate(ndimage.find_objects(parts), 1):
+            first = int(np.flatnonzero(parts == part)[0])
+            number = labels.flat[first]
+            np.testing.assert_array_equal(labels == number, parts == part)
+            area, box = np.count_nonzero(parts == part), (rows.start, rows.stop, columns.start, columns.stop)
+            assert found[number].tolist() == [first, area, *box]
+        covered |= parts > 0
+        assert count > 20
+    assert covered.all()
+    assert (np.diff(found[:, 0]) > 0).all()
