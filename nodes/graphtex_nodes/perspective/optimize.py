@@ -273,7 +273,6 @@ def optimize(
         )
     coherence = aside(partial(sources.coherence, places), ctx)
     source, shown = atlas.traced(sheet, places)
-    coverage = sources.coverage(shown, [each.usable for each in exemplars])
     if problem.known is not None:
         source[problem.known] = 0
         source[problem.known, 0] = len(exemplars)
@@ -284,7 +283,7 @@ def optimize(
         energy=result.energies[-1],
         energies=np.array(result.energies),
         coherence=coherence(),
-        coverage=coverage,
+        coverage=sources.coverage(shown, [each.usable for each in exemplars]),
     )
 
 
