@@ -58,6 +58,14 @@ def map_slices(kinds: Sequence[MapKind]) -> list[slice]:
     return [slice(end - CHANNELS[kind], end) for kind, end in zip(kinds, ends, strict=True)]
 
 
+def bendable(kinds: Sequence[MapKind], count: int) -> NDArray[np.bool_]:
+    """Which channels (count,) are brightness and colour, which light makes vary: all, if kinds are not told.
+
+    Heights and normals belong together, and other scalars are measured: they are to stay as they were copied.
+    """
+    return np.array([kind.startswith("colour") for kind in kinds for _ in range(CHANNELS[kind])] or [True] * count)
+
+
 def unit_normals(encoded: Array) -> Array:
     """Normals (..., 3), encoded as (n + 1) / 2, made unit vectors; those within 1 % of it stay bit for bit."""
     normal = encoded.astype(np.float64) * 2 - 1

@@ -1,37 +1,130 @@
-"""Colours of copied pieces bent towards known pixels beside them (Pérez et al. 2003, screened)."""
+"""Colours of copied pieces bent to meet each other and known pixels (Pérez et al. 2003, screened)."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics import seam_kernels
+from graphtex_nodes.numerics.parallel import Work, for_rows
 
 Array = NDArray[np.float32]
 
 SCREEN = 1e-3
 """Pull towards the copied colours: a correction fades to 1/e over about 1 / sqrt(SCREEN) = 32 pixels."""
+MUTUAL_SCREEN = 1 / 256
+"""The same where pieces meet no known pixels, but each other: 16 pixels."""
 TOLERANCE = 1e-4
 """Residual at which the solver stops, relative to that of no correction."""
 MOST = 600
+TORN = 0.5
+"""Length of a missing step, in deviations of the exemplar, that counts 1/e: where it is longer, an outline is torn, and
+colours would run over it."""
+
+
+def missing(image: Array, steps: Array, variance: float, wrap: tuple[bool, bool], work: Work) -> Array:
+    r"""What pixels of faded pieces lack (c, h, w), summed over the steps to their neighbours.
+
+    A step :math:`m_{pq}` short of the pieces' own counts :math:`\exp(-|m_{pq}|^2 / t^2)`, t from :data:`TORN`.
+
+    Parameters
+    ----------
+    image
+        Shape (h, w, c).
+    steps
+        Differences (2, h, w, c) to the pixels below and to the right as the pieces have them.
+    variance
+        Sum of the variances of the exemplar's channels.
+    """
+    height, width, channels = image.shape
+    result = np.empty((channels, height, width), np.float32)
+    lines, step_lines = image.reshape(height, -1), steps.reshape(2, height, -1)
+    longest = np.float32(TORN**2 * variance)
+
+    def band(first: int, stop: int) -> None:
+        seam_kernels.missing_steps(lines, step_lines, longest, *map(np.uint8, wrap), result, first, stop)
+
+    for_rows(band, height, width * 8 * channels, work)
+    return result
+
+
+def level(image: Array, lack: Array, limits: tuple[Array, Array], wrap: tuple[bool, bool], work: Work) -> None:
+    r"""Take from an image (h, w, c) of faded pieces the steps of brightness and colour between them.
+
+    With :math:`m_{pq}` what steps between neighbours lack, the correction d minimises
+
+    .. math:: \sum_{pq} (d_q - d_p - m_{pq})^2 + \epsilon \sum_p d_p^2,
+
+    Poisson blending, held near the copied colours by epsilon, :data:`MUTUAL_SCREEN`, and solved by cosine transforms
+    (Fourier transforms along sides where the image wraps around).
+
+    Parameters
+    ----------
+    lack
+        As :func:`missing` tells; it is overwritten.
+    limits
+        Least and largest values (c,) that the image may have.
+    """
+    if not lack.any():
+        return
+    height, width, channels = image.shape
+    lines = image.reshape(height, -1)
+
+    def solved(first: int, stop: int) -> None:
+        for channel in range(first, stop):
+            lack[channel] = screened(lack[channel], MUTUAL_SCREEN, wrap)
+
+    def corrected(first: int, stop: int) -> None:
+        seam_kernels.correct(lines, lack, *limits, first, stop)
+
+    for_rows(solved, channels, height * width * 40, work)
+    for_rows(corrected, height, width * 2 * channels, work)
+
+
+def screened(right_side: Array, screen: float, wrap: tuple[bool, bool]) -> Array:
+    """Values (h, w) with ``screen`` * value + sum of differences to the four neighbours = ``right_side``.
+
+    Over the array's borders nothing flows, or it goes on at the other side along axes that wrap around.
+    """
+    from scipy import fft
+
+    waves = [axis for axis in (0, 1) if wrap[axis]]
+    cosines = [axis for axis in (0, 1) if not wrap[axis]]
+    stiffness = np.float32(screen)
+    for axis in (0, 1):
+        angle = (2 if wrap[axis] else 1) * np.pi * np.arange(right_side.shape[axis]) / right_side.shape[axis]
+        along = (2 - 2 * np.cos(angle)).astype(np.float32)
+        if waves and axis == waves[-1]:
+            along = along[: along.size // 2 + 1]
+        stiffness = stiffness + (along[:, None] if axis == 0 else along)
+    values = fft.dctn(right_side, axes=cosines, norm="ortho") if cosines else right_side
+    if waves:
+        spectrum = fft.rfftn(values, axes=waves) / stiffness
+        values = fft.irfftn(spectrum, s=[right_side.shape[axis] for axis in waves], axes=waves)
+    else:
+        values /= stiffness
+    result: Array = fft.idctn(values, axes=cosines, norm="ortho") if cosines else values
+    return result
 
 
 def join_known(
-    image: Array, source: NDArray[np.int32], exemplar: Array, usable: NDArray[np.bool_], wrap: tuple[bool, bool],
-    work: Work,
+    image: Array, lack: Array, source: NDArray[np.int32], exemplar: Array, usable: NDArray[np.bool_],
+    wrap: tuple[bool, bool], work: Work,
 ) -> Array:  # fmt: skip
     r"""An image (h, w, c) whose copied pixels meet its known ones without a step; known ones are bit-identical.
 
-    With :math:`m_{pq}` what a known pixel q has more than the continuation of the piece at its neighbour p, the
-    correction d of the unknown pixels minimises
+    With :math:`m_{pq}` what a known pixel q has more than the continuation of the piece at its neighbour p, and what
+    steps between unknown ones lack, the correction d of the unknown pixels minimises
 
-    .. math:: \sum_{pq\ unknown} (d_p - d_q)^2 + \sum_{q\ known} (d_p - m_{pq})^2 + \epsilon \sum_p d_p^2,
+    .. math:: \sum_{pq\ unknown} (d_q - d_p - m_{pq})^2 + \sum_{q\ known} (d_p - m_{pq})^2 + \epsilon \sum_p d_p^2,
 
     which is Poisson blending with the pieces' gradients and the known pixels as its border, held near the copied
     colours by epsilon.
 
     Parameters
     ----------
+    lack
+        As :func:`missing` tells, of the steps between unknown pixels alone.
     source
         Row and column (h, w, 2) in the exemplar (eh, ew, c); negative for known pixels.
     usable
@@ -46,7 +139,7 @@ def join_known(
     number[unknown] = np.arange(np.count_nonzero(unknown))
     count, channels = int(number.max()) + 1, image.shape[2]
     degree = np.full(count, SCREEN)
-    right_side = np.zeros((count, channels))
+    right_side = np.moveaxis(lack, 0, -1)[unknown].astype(np.float64)
     edges = []
     for down, right in ((1, 0), (-1, 0), (0, 1), (0, -1)):
         here, there = _pairs(unknown.shape, down, right, wrap)

@@ -126,16 +126,18 @@ def number_pieces(source, y, line):
 
 
 @kernel(
-    "const f4[:,:], const u1[:,:], const i4[:,:,:], const u1[:,:], const f4[:,:], f4[:,:], i8, i8",
+    "const f4[:,:], const u1[:,:], const i4[:,:,:], const u1[:,:], const f4[:,:], f4[:,:], f4[:,:,:], i8, i8",
     fastmath={"contract"},
 )
-def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
+def fade_seams(exemplar, usable, source, seams, falloff, image, steps, first, stop):
     """Mix the pieces that meet near a pixel, each continued up to it; inside a piece the exemplar's pixels are copied.
 
     ``exemplar`` and ``image`` have the channels of each pixel side by side in their rows, ``falloff`` are
     the weights of the pixels around, up to :data:`RADIUS` away, ``seams`` (h, w) the pixels beside a seam.
     Unlike a blur, this keeps the detail of each piece. Pieces that cannot be continued up to the pixel are left out.
     Known pixels, whose source is negative, become 0.
+    ``steps`` (2, h, w * channels) become the same means of the pieces' own differences to the pixel below and to the
+    right, 0 where no piece goes on.
     """
     height, width = source.shape[0], source.shape[1]
     channels = image.shape[1] // width
@@ -147,6 +149,7 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
     rows = np.empty(side, np.int64)
     pieces = np.empty(falloff.size, np.int64)
     support = np.empty(falloff.size, np.float32)
+    totals = np.empty(3, np.float32)  # support of the steps down and right, and of the pixel
     for y in range(first - radius, first + radius):
         number_pieces(source, y, lines[y % side])
     for y in range(first, stop):
@@ -172,14 +175,25 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
             row, column = source[y, x, 0], source[y, x, 1]
             if row < 0:
                 for c in range(channels):
-                    image[y, start + c] = 0
+                    image[y, start + c] = steps[0, y, start + c] = steps[1, y, start + c] = 0
                 x += 1
                 continue
             if not close[x]:
                 while x < width and not close[x]:
                     x += 1
+                below = min(row + 1, exemplar.shape[0] - 1)
+                inner = (x - (x == width)) * channels  # behind the last column a piece need not go on
                 for index in range(x * channels - start):
                     image[y, start + index] = exemplar[row, column * channels + index]
+                    steps[0, y, start + index] = (
+                        exemplar[below, column * channels + index] - exemplar[row, column * channels + index]
+                    )
+                for index in range(inner - start):
+                    steps[1, y, start + index] = (
+                        exemplar[row, (column + 1) * channels + index] - exemplar[row, column * channels + index]
+                    )
+                for index in range(inner, x * channels):
+                    steps[1, y, index] = 0
                 continue
             count = 1
             index = 0
@@ -205,20 +219,93 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, first, stop):
                     weight += falloff[down, right]
             support[index] = weight
             used = 0
-            total = np.float32(0)
+            totals[:] = 0
             for c in range(channels):
-                image[y, start + c] = 0
+                image[y, start + c] = steps[0, y, start + c] = steps[1, y, start + c] = 0
             for index in range(count):
                 ey = y + (pieces[index] >> 32)
                 ex = x + np.int64(np.int32(pieces[index] & 0xFFFFFFFF))
-                if copied(usable, ey, ex):
-                    used += 1
-                    total += support[index]
-                    for c in range(channels):
-                        image[y, start + c] += support[index] * exemplar[ey, ex * channels + c]
+                if not copied(usable, ey, ex):
+                    continue
+                used += 1
+                totals[2] += support[index]
+                for c in range(channels):
+                    image[y, start + c] += support[index] * exemplar[ey, ex * channels + c]
+                for axis in range(2):
+                    ny, nx = ey + 1 - axis, ex + axis
+                    if copied(usable, ny, nx):
+                        totals[axis] += support[index]
+                        for c in range(channels):
+                            step = exemplar[ny, nx * channels + c] - exemplar[ey, ex * channels + c]
+                            steps[axis, y, start + c] += support[index] * step
             for c in range(channels):
                 if used == 1:  # its own piece alone: a copy, without rounding
                     image[y, start + c] = exemplar[row, column * channels + c]
                 else:
-                    image[y, start + c] /= total
+                    image[y, start + c] /= totals[2]
+            for axis in range(2):
+                if totals[axis] > 0:
+                    for c in range(channels):
+                        steps[axis, y, start + c] /= totals[axis]
             x += 1
+
+
+@njit(inline="always")
+def weigh(lack, channels, limit):
+    """Multiply the missing steps of a row by their weights."""
+    for start in range(0, lack.shape[0], channels):
+        squared = np.float32(0)
+        for c in range(channels):
+            squared += lack[start + c] * lack[start + c]
+        if squared > 0:
+            weight = np.exp(-squared / limit)
+            for c in range(channels):
+                lack[start + c] *= weight
+
+
+@kernel("const f4[:,:], const f4[:,:,:], f4, u1, u1, f4[:,:,:], i8, i8")
+def missing_steps(image, steps, limit, around_y, around_x, missing, first, stop):
+    """How much a pixel lacks, summed over its four neighbours, for the differences to them to be the wanted ``steps``.
+
+    Arrays are as in :func:`fade_seams`; ``missing`` is (channels, h, w). What a step lacks counts exp(-its squared
+    length / ``limit``). An image that wraps around goes on over its borders.
+    """
+    channels, height, width = missing.shape
+    size = width * channels
+    above = np.zeros(size, np.float32)  # what the steps to a row lack
+    beside = np.zeros(size + channels, np.float32)  # and those to a pixel and to the one behind it, along a row
+    for y in range(first - 1, stop):
+        if y >= first:
+            for index in range(size - channels):
+                beside[channels + index] = steps[1, y, index] - (image[y, index + channels] - image[y, index])
+            if around_x:
+                for c in range(channels):
+                    last = size - channels + c
+                    beside[c] = beside[size + c] = steps[1, y, last] - (image[y, c] - image[y, last])
+            weigh(beside, channels, limit)
+            for c in range(channels):
+                for x in range(width):
+                    place = x * channels + c
+                    missing[c, y, x] = above[place] + beside[place] - beside[place + channels]
+        if 0 <= y < height - 1 or around_y:
+            row, below = y % height, (y + 1) % height
+            for index in range(size):
+                above[index] = steps[0, row, index] - (image[below, index] - image[row, index])
+            weigh(above, channels, limit)
+        else:
+            above[:] = 0
+        if y >= first:
+            for c in range(channels):
+                for x in range(width):
+                    missing[c, y, x] -= above[x * channels + c]
+
+
+@kernel("f4[:,:], const f4[:,:,:], const f4[:], const f4[:], i8, i8")
+def correct(image, correction, low, high, first, stop):
+    """Add a correction (channels, h, w) to an image (h, w * channels), and keep it between ``low`` and ``high``."""
+    channels = correction.shape[0]
+    for y in range(first, stop):
+        for x in range(correction.shape[2]):
+            for c in range(channels):
+                value = image[y, x * channels + c] + correction[c, y, x]
+                image[y, x * channels + c] = min(max(value, low[c]), high[c])

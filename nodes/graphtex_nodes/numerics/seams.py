@@ -1,5 +1,6 @@
 """The last step of a synthesis: where copied pieces meet."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,13 +26,35 @@ Sand has 4, grass and stone 4 to 6, generated bricks and cloth 8, pebbles 12, co
 PASSES = 10
 
 
-def finish(
-    problem: Problem, result: Result, *, fade: bool, work: Work, cut: bool = True, passes: int = PASSES
-) -> tuple[Array, Field]:
-    """Image (h, w, c) and source (h, w, 2) of a synthesis: pieces cut anew if ``cut``, seams softened if ``fade``.
+@dataclass(frozen=True)
+class Steps:
+    """What :func:`finish` does, in this order.
 
-    Between the two, seams move to where they show less, two pixels in each of at most :data:`PASSES` passes.
-    Known pixels are those of the start and have negative sources; with ``fade`` pieces are bent to meet them.
+    Attributes
+    ----------
+    cut
+        Cut pieces anew, so that large ones take over the scraps between them.
+    passes
+        Move seams to where they show less, two pixels in each pass at most.
+    fade
+        Let pieces fade into each other, and bend them to meet known pixels and each other there.
+    level
+        Bend faded pieces to meet each other where nothing is known.
+    bendable
+        Channels (c,) that are bent to meet each other; None for all.
+    """
+
+    cut: bool = True
+    passes: int = PASSES
+    fade: bool = True
+    level: bool = True
+    bendable: NDArray[np.bool_] | None = None
+
+
+def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[Array, Field]:
+    """Image (h, w, c) and source (h, w, 2) of a synthesis whose seams show as little as ``steps`` can do.
+
+    Known pixels are those of the start and have negative sources.
     """
     colours = problem.exemplar.shape[2]
     exemplar = np.ascontiguousarray(problem.channels)
@@ -53,20 +76,52 @@ def finish(
     pulls = np.where(np.arange(exemplar.shape[2]) < colours, pull, GUIDE_PULL).astype(np.float32)
     costs = Costs(pulls, join * variance, BUSY * variance)
     source = result.source
-    if cut:
+    if steps.cut:
         source = recut(exemplar, usable, result.image, source, costs, work, problem.wrap)
-    if passes:
-        source = move_seams(exemplar, usable, around(result.image), around(source), costs, passes, work)[inside]
-    if fade:
-        image = fade_seams(exemplar, usable, around(source), channels=colours, work=work)[inside]
-    else:
-        image = problem.exemplar[source[..., 0], source[..., 1]]
-    source, image = np.ascontiguousarray(source), np.ascontiguousarray(image)
+    if steps.passes:
+        moved = move_seams(exemplar, usable, around(result.image), around(source), costs, steps.passes, work)
+        source = moved[inside]
+    source = np.ascontiguousarray(source)
+    if not steps.fade:
+        return _with_known(problem, problem.exemplar[source[..., 0], source[..., 1]]), source
+    image, own = fade_seams(exemplar, usable, around(source), channels=colours, work=work)
+    image = _with_known(problem, np.ascontiguousarray(image[inside]))
+    if steps.level or problem.known is not None:
+        own = np.ascontiguousarray(own[:, inside[0], inside[1]])
+        image = _bent(problem, image, own, source, variance, steps.bendable, work)
+    return image, source
+
+
+def _with_known(problem: Problem, image: Array) -> Array:
+    """The image (h, w, c) with its known pixels."""
     if problem.known is not None and problem.start is not None:
         image[problem.known] = problem.start[problem.known]
-        if fade:
-            image = membrane.join_known(image, source, problem.exemplar, may, problem.wrap, work)
-    return image, source
+    return image
+
+
+def _bent(
+    problem: Problem, image: Array, own: Array, source: Field, variance: float, bendable: NDArray[np.bool_] | None,
+    work: Work,
+) -> Array:  # fmt: skip
+    """The image (h, w, c) of faded pieces, bent to meet each other and what is known.
+
+    ``own`` are the pieces' own differences (2, h, w, c); those beside known pixels are overwritten.
+    """
+    known = problem.known
+    may = np.ones(problem.exemplar.shape[:2], bool) if problem.usable is None else problem.usable
+    if known is not None:
+        for axis, steps in enumerate(own):
+            beside = known | np.roll(known, -1, axis)
+            steps[beside] = (np.roll(image, -1, axis) - image)[beside]
+    lack = membrane.missing(image, own, variance, problem.wrap, work)
+    if bendable is not None:
+        lack[~bendable] = 0
+    if known is not None:
+        return membrane.join_known(image, lack, source, problem.exemplar, may, problem.wrap, work)
+    seen = [values[may] for values in np.moveaxis(problem.exemplar, -1, 0)]
+    limits = np.array([each.min() for each in seen]), np.array([each.max() for each in seen])
+    membrane.level(image, lack, limits, problem.wrap, work)
+    return image
 
 
 def outlined(picture: Array) -> float:
@@ -122,21 +177,25 @@ def seam_pixels(source: Field, work: Work) -> NDArray[np.uint8]:
     return flags
 
 
-def fade_seams(exemplar: Array, usable: NDArray[np.uint8], source: Field, *, channels: int, work: Work) -> Array:
+def fade_seams(
+    exemplar: Array, usable: NDArray[np.uint8], source: Field, *, channels: int, work: Work
+) -> tuple[Array, Array]:
     """Image (h, w, channels) of a source map in which pieces fade into each other over about :data:`RADIUS` pixels.
 
-    Pixels farther than that from a seam are the exemplar's own. Known pixels (negative source) are 0.
+    Pixels farther than that from a seam are the exemplar's own. Known pixels (negative source) are 0. The second array
+    (2, h, w, channels) are the pieces' own differences to the pixels below and to the right, faded in the same way.
     """
     place = np.arange(-RADIUS, RADIUS + 1) / RADIUS
     line = np.exp(-2 * place**2)
     falloff = np.outer(line, line).astype(np.float32)
     colours = np.ascontiguousarray(exemplar[..., :channels]).reshape(len(exemplar), -1)
     image = np.empty((*source.shape[:2], channels), np.float32)
-    lines = image.reshape(len(image), -1)
+    steps = np.empty((2, *image.shape), np.float32)
+    lines, step_lines = image.reshape(len(image), -1), steps.reshape(2, len(image), -1)
     seams = seam_pixels(source, work)
 
     def band(first: int, stop: int) -> None:
-        seam_kernels.fade_seams(colours, usable, source, seams, falloff, lines, first, stop)
+        seam_kernels.fade_seams(colours, usable, source, seams, falloff, lines, step_lines, first, stop)
 
     for_rows(band, source.shape[0], source.shape[1] * falloff.size * (3 + channels) / 5, work)
-    return image
+    return image, steps

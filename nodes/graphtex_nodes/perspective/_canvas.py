@@ -92,6 +92,6 @@ class Canvas:
         iterations, settings = plan
         stages = levels.plan(problem.exemplar, problem.usable, 0, (), iterations)
         result = synthesise(problem, stages, settings, rng, work)
-        filled, found = seams.finish(problem, result, fade=True, work=work)
+        filled, found = seams.finish(problem, result, seams.Steps(), work)
         self.image[rest] = filled[rest[box]]
         self.places[rest, ROW : COLUMN + 1] = found[rest[box]] + np.array([taken[0].start, taken[1].start])

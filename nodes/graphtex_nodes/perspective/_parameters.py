@@ -64,8 +64,8 @@ class Effort(NamedTuple):
     """What a quality leaves out.
 
     Divisors of the iterations (rounded up) on the ``fine`` levels (0 = they do not search) and on ``coarse`` ones,
-    ``passes`` of a search, most ``directions`` in which windows are compared, whether pieces are ``cut`` anew, and in
-    how many ``moves`` seams move.
+    ``passes`` of a search, most ``directions`` in which windows are compared, whether pieces are ``cut`` anew, in how
+    many ``moves`` seams move, and whether pieces are bent to meet there (``level``).
     """
 
     fine: int
@@ -74,12 +74,13 @@ class Effort(NamedTuple):
     directions: int
     cut: bool
     moves: int
+    level: bool
 
 
 EFFORT = {
-    "default": Effort(1, 1, 2, 48, cut=True, moves=10),
-    "fast": Effort(2, 2, 1, 48, cut=False, moves=10),
-    "preview": Effort(0, 8, 1, 24, cut=False, moves=0),
+    "default": Effort(1, 1, 2, 48, cut=True, moves=10, level=True),
+    "fast": Effort(2, 2, 1, 48, cut=False, moves=10, level=True),
+    "preview": Effort(0, 8, 1, 24, cut=False, moves=0, level=False),
 }
 
 SYNTHESIS_KERNELS = (

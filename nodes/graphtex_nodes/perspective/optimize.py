@@ -132,8 +132,8 @@ def optimize(
     vote
         What becomes of the last search. ``blend`` takes for each pixel the source that most windows agree on, lets
         large pieces take over the scraps between them along minimum cuts, and pieces fade into each other over five
-        pixels. ``discrete`` leaves the fading out: the source map replays exactly. ``mean`` is the paper's weighted
-        mean.
+        pixels and their colours over about sixteen (not where outlines are torn, nor normals and other maps).
+        ``discrete`` leaves the fading out: the source map replays exactly. ``mean`` is the paper's weighted mean.
     levels, windows
         By themselves: as many levels as leave 16 pixels of the exemplar's smaller side, less where a period would no
         longer be seen and where pixels are related over short distances only, and down to 8 pixels where a period is
@@ -207,7 +207,7 @@ def optimize(
     announce(ctx, *SYNTHESIS_KERNELS)
     from graphtex_nodes.numerics import atlas, request, seams, sources
     from graphtex_nodes.numerics import levels as plans
-    from graphtex_nodes.numerics.materials import renormalised, require_stack
+    from graphtex_nodes.numerics.materials import bendable, renormalised, require_stack
     from graphtex_nodes.numerics.parallel import aside
     from graphtex_nodes.numerics.problem import Settings
     from graphtex_nodes.numerics.synthesis import synthesise
@@ -268,9 +268,9 @@ def optimize(
     if vote == "mean":
         image, places = result.image[..., : exemplar.shape[2]], result.source
     else:
-        image, places = seams.finish(
-            problem, result, fade=vote == "blend", work=ctx, cut=effort.cut, passes=effort.moves
-        )
+        bend = bendable(kinds, exemplar.shape[2])
+        steps = seams.Steps(effort.cut, effort.moves, vote == "blend", effort.level, bend)
+        image, places = seams.finish(problem, result, steps, ctx)
     coherence = aside(partial(sources.coherence, places), ctx)
     source, shown = atlas.traced(sheet, places)
     if problem.known is not None:

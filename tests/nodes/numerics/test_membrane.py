@@ -14,7 +14,8 @@ def hole_in(shape, hole):
 
 
 def solved(image, source, exemplar, wrap=(False, False)):
-    return membrane.join_known(image, source, exemplar, np.ones(exemplar.shape[:2], bool), wrap, Context())
+    lack = np.zeros((image.shape[2], *image.shape[:2]), np.float32)
+    return membrane.join_known(image, lack, source, exemplar, np.ones(exemplar.shape[:2], bool), wrap, Context())
 
 
 def test_constant_step_vanishes(monkeypatch):
@@ -64,3 +65,89 @@ def test_against_dense_solution(wrap):
 def test_nothing_to_join(known):
     image = RNG.random((4, 4, 2)).astype(np.float32)
     np.testing.assert_array_equal(solved(image, hole_in((4, 4), ~known), image), image)
+
+
+def levelled(image, steps, wrap=(False, False), variance=1e9, threads=1):
+    image = image.copy()
+    limits = np.full(image.shape[2], -9, np.float32), np.full(image.shape[2], 9, np.float32)
+    work = Context(threads=threads)
+    membrane.level(image, membrane.missing(image, steps, variance, wrap, work), limits, wrap, work)
+    return image
+
+
+def differences(image):
+    """Differences (2, h, w, c) to the pixels below and to the right, around the borders."""
+    return np.stack([np.roll(image, -1, axis) - image for axis in (0, 1)])
+
+
+@pytest.mark.parametrize("wrap", [(False, False), (True, False), (False, True), (True, True)])
+@pytest.mark.parametrize("shape", [(5, 6), (4, 7), (1, 5), (6, 1)])
+def test_levelling_against_dense_solution(wrap, shape):
+    """Second method: the quadratic form is built pair by pair and minimised by a dense solver."""
+    image = RNG.random((*shape, 2)).astype(np.float32)
+    steps = RNG.normal(size=(2, *shape, 2)).astype(np.float32)
+    number = np.arange(image[..., 0].size).reshape(shape)
+    matrix = np.eye(number.size) * membrane.MUTUAL_SCREEN
+    right_side = np.zeros((number.size, 2))
+    for axis in (0, 1):
+        for place in np.ndindex(shape):
+            other = list(place)
+            other[axis] += 1
+            if other[axis] == shape[axis]:
+                if not wrap[axis]:
+                    continue
+                other[axis] = 0
+            here, there = number[place], number[tuple(other)]
+            lack = steps[axis][place] - (image[tuple(other)] - image[place])
+            for one, sign in ((here, -1), (there, 1)):
+                right_side[one] += sign * lack
+                matrix[one, there] += sign
+                matrix[one, here] -= sign
+    expected = image + np.linalg.solve(matrix, right_side).reshape(image.shape)
+    np.testing.assert_allclose(levelled(image, steps, wrap), expected, atol=2e-4)
+
+
+def test_a_step_between_pieces_becomes_a_slope():
+    """Half a picture is brighter; its own differences know nothing of it."""
+    texture = RNG.random((40, 80, 3)).astype(np.float32)
+    brighter = texture.copy()
+    brighter[:, 40:] += 0.2
+    image = levelled(brighter, differences(texture))
+    columns = (image - texture).mean(axis=(0, 2))
+    assert np.abs(np.diff(columns)).max() < 0.01
+    assert columns[-1] - columns[0] > 0.15
+    np.testing.assert_allclose(columns[39:41].mean(), 0.1, atol=1e-3)
+
+
+def test_a_torn_outline_stays():
+    image = np.zeros((20, 40, 1), np.float32)
+    image[:, 20:] = 1
+    flat = np.zeros((2, 20, 40, 1), np.float32)
+    np.testing.assert_allclose(levelled(image, flat, variance=0.25), image, atol=1e-5)
+    assert np.abs(levelled(image, flat, variance=16) - image).max() > 0.3
+
+
+def test_what_lacks_nothing_is_not_touched():
+    image = RNG.random((9, 7, 4)).astype(np.float32)
+    np.testing.assert_array_equal(levelled(image, differences(image)), image)
+    flat = np.ones((3, 3, 1), np.float32)
+    np.testing.assert_array_equal(levelled(flat, differences(flat), variance=0), flat)
+
+
+def test_levelled_values_stay_within_limits():
+    image = np.zeros((6, 30, 1), np.float32)
+    image[:, 15:] = 0.5
+    limits = np.zeros(1, np.float32), np.full(1, 0.5, np.float32)
+    steps = np.zeros((2, 6, 30, 1), np.float32)
+    steps[1, :, 14] = 0.7
+    lack = membrane.missing(image, steps, 1e9, (False, False), Context())
+    membrane.level(image, lack, limits, (False, False), Context())
+    assert image.min() == 0
+    assert image.max() == 0.5
+
+
+def test_levelling_does_not_depend_on_threads():
+    image = RNG.random((301, 207, 3)).astype(np.float32)
+    steps = differences(RNG.random((301, 207, 3)).astype(np.float32))
+    one = levelled(image, steps, (True, False), 1.0)
+    assert all(np.array_equal(one, levelled(image, steps, (True, False), 1.0, count)) for count in (2, 3))

@@ -63,7 +63,7 @@ def test_unusable_pixels_are_not_taken():
 def test_fading_mixes_near_the_seam_only():
     exemplar = RNG.random((12, 60, 3)).astype(np.float32)
     source = two_pieces(10)
-    image = fade_seams(exemplar, USABLE, source, channels=3, work=Context())
+    image, _ = fade_seams(exemplar, USABLE, source, channels=3, work=Context())
     np.testing.assert_array_equal(image[:, :8], exemplar[:, :8])
     np.testing.assert_array_equal(image[:, 12:], exemplar[:, 42:50])
     left, right = exemplar[:, 9], exemplar[:, 39]
@@ -77,9 +77,28 @@ def test_fading_leaves_out_what_cannot_be_continued():
     exemplar = RNG.random((12, 60, 3)).astype(np.float32)
     row, column = np.mgrid[:12, :20]
     source = np.stack([row, np.where(column < 10, column + 20, column - 10)], axis=-1).astype(np.int32)
-    image = fade_seams(exemplar, USABLE, source, channels=3, work=Context())
+    image, _ = fade_seams(exemplar, USABLE, source, channels=3, work=Context())
     np.testing.assert_allclose(image[:, :10], exemplar[:, 20:30], atol=1e-6)
     assert np.abs(image[:, 10] - exemplar[:, 0]).max() > 0.01
+
+
+def test_faded_differences_are_the_pieces_own():
+    """A ramp and a brighter copy of it have the same differences everywhere, though their mean has a step."""
+    exemplar = np.repeat(0.01 * np.mgrid[:12, :60][0][..., None] + 0.02 * np.mgrid[:12, :60][1][..., None], 2, axis=2)
+    exemplar[:, 25:] += 0.3
+    exemplar = exemplar.astype(np.float32)
+    image, steps = fade_seams(exemplar, USABLE, two_pieces(10), channels=2, work=Context())
+    assert np.diff(image, axis=1).max() > 0.1
+    np.testing.assert_allclose(steps[0, :-1], 0.01, atol=1e-6)
+    np.testing.assert_allclose(steps[1, :, :-1], 0.02, atol=1e-6)
+
+
+def test_differences_leave_out_what_cannot_be_continued():
+    """Neither piece goes on beyond the exemplar's last row: no difference is wanted there."""
+    exemplar = RNG.random((12, 60, 1)).astype(np.float32)
+    _, steps = fade_seams(exemplar, USABLE, two_pieces(10), channels=1, work=Context())
+    assert (steps[0, -1] == 0).all()
+    np.testing.assert_array_equal(steps[0, :-1, 0], exemplar[1:, 0] - exemplar[:-1, 0])
 
 
 @pytest.mark.parametrize(("name", "share"), [("sand", 0), ("pebbles", 1), ("bricks", 1), ("flowers", 1)])
