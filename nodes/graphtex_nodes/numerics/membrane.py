@@ -48,7 +48,9 @@ def missing(image: Array, steps: Array, variance: float, wrap: tuple[bool, bool]
     return result
 
 
-def level(image: Array, lack: Array, limits: tuple[Array, Array], wrap: tuple[bool, bool], work: Work) -> None:
+def level(
+    image: Array, lack: Array, limits: tuple[Array, Array], wrap: tuple[bool, bool], work: Work, factor: float = 1.0
+) -> None:
     r"""Take from an image (h, w, c) of faded pieces the steps of brightness and colour between them.
 
     With :math:`m_{pq}` what steps between neighbours lack, the correction d minimises
@@ -64,6 +66,8 @@ def level(image: Array, lack: Array, limits: tuple[Array, Array], wrap: tuple[bo
         As :func:`missing` tells; it is overwritten.
     limits
         Least and largest values (c,) that the image may have.
+    factor
+        Pixels of this image that make one of the synthesis.
     """
     if not lack.any():
         return
@@ -72,7 +76,7 @@ def level(image: Array, lack: Array, limits: tuple[Array, Array], wrap: tuple[bo
 
     def solved(first: int, stop: int) -> None:
         for channel in range(first, stop):
-            lack[channel] = screened(lack[channel], MUTUAL_SCREEN, wrap)
+            lack[channel] = screened(lack[channel], MUTUAL_SCREEN / factor**2, wrap)
 
     def corrected(first: int, stop: int) -> None:
         seam_kernels.correct(lines, lack, *limits, first, stop)

@@ -37,13 +37,19 @@ class Around:
     first: NDArray[np.int8]
 
 
-def around(source: Array, free: Flags, rows: Array, columns: Array) -> Around:
-    """What is around pixels of a source map (h, w, 6) at given rows and columns (k,); only ``free`` pixels show."""
+def around(source: Array, free: Flags, rows: Array, columns: Array, wrap: tuple[bool, bool] = (False, False)) -> Around:
+    """What is around pixels of a source map (h, w, 6) at given rows and columns (k,); only ``free`` pixels show.
+
+    A map that wraps around goes on over its borders.
+    """
     count = len(OFFSETS)
     points = np.zeros((len(rows), count, 6))
     first = np.full((len(rows), count), -1, np.int8)
     for number, (down, right) in enumerate(OFFSETS):
         y, x = rows + down, columns + right
+        y, x = (
+            np.where(over, place % side, place) for place, side, over in zip((y, x), source.shape, wrap, strict=False)
+        )
         inside = (y >= 0) & (y < source.shape[0]) & (x >= 0) & (x < source.shape[1])
         inside[inside] = free[y[inside], x[inside]]
         found = source[y[inside], x[inside]]
@@ -57,18 +63,22 @@ def around(source: Array, free: Flags, rows: Array, columns: Array) -> Around:
     return Around(points, first)
 
 
-def near_seams(source: Array, free: Flags) -> Flags:
-    """Which ``free`` pixels (h, w) of a source map lie near others that show another piece."""
-    height, width = source.shape[:2]
-    mixed = np.zeros((height, width), bool)
+def near_seams(source: Array, free: Flags, wrap: tuple[bool, bool] = (False, False)) -> Flags:
+    """Which ``free`` pixels (h, w) of a source map lie near others that show another piece.
+
+    A map that wraps around goes on over its borders.
+    """
+    mixed = np.zeros(source.shape[:2], bool)
     for down, right in OFFSETS[1:]:
-        if abs(down) >= height or abs(right) >= width:
-            continue
-        here = slice(max(0, -down), height - max(0, down)), slice(max(0, -right), width - max(0, right))
-        there = slice(max(0, down), height + min(0, down)), slice(max(0, right), width + min(0, right))
-        other = source[there].astype(np.float64)
-        other[..., ROW : COLUMN + 1] = continued(source[there], -down, -right)
-        mixed[here] |= ~_alike(other, source[here]) & free[there]
+        view = np.roll(source, (-down, -right), (0, 1))
+        other = view.astype(np.float64)
+        there = np.roll(free, (-down, -right), (0, 1))
+        for axis, shift in enumerate((down, right)):
+            if shift and not wrap[axis]:
+                beyond = slice(None, -shift) if shift < 0 else slice(-shift, None)
+                there[(slice(None), beyond) if axis else beyond] = False
+        other[..., ROW : COLUMN + 1] = continued(view, -down, -right)
+        mixed |= ~_alike(other, source) & there
     return mixed & free
 
 

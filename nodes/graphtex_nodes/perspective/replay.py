@@ -7,11 +7,14 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Axes, Context, Image, Mask, SourceMap, node
-from graphtex_nodes.numerics import seam_neighbours
-from graphtex_nodes.numerics.materials import MapKind, renormalised, require_stack
-from graphtex_nodes.numerics.sources import Look, continued
+from graphtex_nodes.numerics.jit import announce
+from graphtex_nodes.numerics.materials import MapKind, bendable, renormalised, require_stack
+from graphtex_nodes.numerics.sources import Look
+from graphtex_nodes.perspective._parameters import Sides
+from graphtex_nodes.perspective._shown import Shown
 
 Array = NDArray[Any]
+Flags = NDArray[np.bool_]
 
 BAND = 1 << 18  # pixels at a time
 
@@ -28,6 +31,7 @@ def replay(
     vote: Annotated[
         Literal["discrete", "blend"], Field(description="discrete: pure copies; blend: pieces fade into each other")
     ] = "discrete",
+    tileable: Sides = "none",
     kinds: Annotated[
         list[MapKind], Field(max_length=16, description="what the channels are, as for StackMaps; none: no normals")
     ] = [],  # noqa: B006 (parameters are copied)
@@ -50,8 +54,10 @@ def replay(
     factor
         Maps of four times the exemplars' sides, with ``factor: 4``, give an output of four times the sides.
     vote
-        ``discrete`` repeats a discrete vote to the bit; ``blend`` repeats a blended one but for rounding (colours
-        beside known pixels, that were bent to meet them, and exemplars that were not wholly usable apart).
+        ``discrete`` repeats a discrete vote to the bit; ``blend`` repeats a blended one but for rounding (nearly where
+        copies are turned or resampled, or not wholly usable; with known pixels nothing is bent to meet).
+    tileable
+        As in the synthesis: ``blend`` goes on over these sides.
     kinds
         Normals are turned with their sources and made unit vectors again where they are off by more than 1 %.
 
@@ -73,29 +79,49 @@ def replay(
     array([[1., 0.]], dtype=float32)
     """
     _require_maps(source, maps, factor)
-    channels = maps[0].shape[2]
+    if vote == "blend":
+        announce(ctx, "seam_kernels")
     for number, picture in enumerate(maps):
         require_stack(f"maps[{number}]", picture, kinds, ctx.warn)
-    looks = [Look(picture, kinds) for picture in maps]
-    height, width = (max(1, round(side * factor)) for side in source.shape[:2])
-    result = np.empty((height, width, channels), np.float32)
-    columns, right = _pixels(0, width, source.shape[1], factor)
     free = np.ones(source.shape[:2], bool) if known is None else ~known
-    mixed = seam_neighbours.near_seams(source, free) if vote == "blend" else np.zeros(source.shape[:2], bool)
-    rows_at_once = max(1, BAND // width)
-    for first in range(0, height, rows_at_once):
-        rows, down = _pixels(first, min(height, first + rows_at_once), source.shape[0], factor)
-        band = result[first : first + len(rows)]
-        offsets = [part.ravel() for part in np.broadcast_arrays(down[:, None], right)]
-        copied = _look(looks, source[np.ix_(rows, columns)].reshape(-1, 6), offsets, factor)
-        band[...] = copied.reshape(band.shape)
-        y, x = np.nonzero(mixed[np.ix_(rows, columns)])
-        if len(y):
-            place, parent = np.unique(rows[y] * source.shape[1] + columns[x], return_inverse=True)
-            around = seam_neighbours.around(source, free, *np.divmod(place, source.shape[1]))
-            band[y, x] = renormalised(_mixture(looks, around, parent, [down[y], right[x]], factor), kinds)
-        ctx.progress(min(1.0, (first + len(rows)) / height), "copying")
+    wrap = (tileable in ("y", "both"), tileable in ("x", "both"))
+    shown = Shown(source, [Look(picture, kinds) for picture in maps], factor, free, wrap)
+    height, width = shown.size
+    result = np.empty((height, width, maps[0].shape[2]), np.float32)
+    rows = max(1, BAND // width)
+    bands = [slice(first, min(height, first + rows)) for first in range(0, height, rows)]
+    for band in bands:
+        result[band] = shown.copied(band)
+        ctx.progress(band.stop / height * (1.0 if vote == "discrete" else 0.3), "copying")
+    if vote == "blend":
+        mixed = shown.near_seams()
+        for band in bands:
+            result[band][mixed[band]] = shown.faded(mixed, band)
+            ctx.progress(0.3 + 0.3 * band.stop / height, "fading")
+        bend = bendable(kinds, result.shape[2])
+        if known is None and mixed.any() and bend.any():
+            _level(result, shown, mixed, bands, bend, ctx)
+        result = renormalised(result, kinds)
     return result
+
+
+def _level(result: Array, shown: Shown, mixed: Flags, bands: list[slice], bend: Flags, ctx: Context) -> None:
+    """Bend faded pieces to meet each other, in the channels ``bend``, as a synthesis does."""
+    from graphtex_nodes.numerics import membrane
+
+    own = np.stack([np.roll(result, -1, axis) - result for axis in (0, 1)])
+    for axis, steps in enumerate(own):
+        near = mixed | np.roll(mixed, -1, axis)
+        for band in bands:
+            steps[band][near[band]] = shown.faded(near, band, (1 - axis, axis))
+            ctx.progress(0.6 + 0.2 * axis + 0.2 * band.stop / result.shape[0], "fading")
+    seen = [np.concatenate([look.exemplar[..., c].ravel() for look in shown.looks]) for c in range(result.shape[2])]
+    variance = sum(float(np.var(values, dtype=np.float64)) for values in seen)
+    limits = np.array([values.min() for values in seen]), np.array([values.max() for values in seen])
+    lack = membrane.missing(result, own, variance / shown.factor**2, shown.wrap, ctx)
+    lack[~bend] = 0
+    membrane.level(result, lack, limits, shown.wrap, ctx, shown.factor)
+    ctx.progress(1.0, "levelling")
 
 
 def _require_maps(source: Array, maps: list[Array], factor: float) -> None:
@@ -122,57 +148,3 @@ def _require_maps(source: Array, maps: list[Array], factor: float) -> None:
                     f"{own[:, axis].max():g} of exemplar {number}, too many for shape {picture.shape} with "
                     f"factor {factor:g}"
                 )
-
-
-def _pixels(first: int, stop: int, count: int, factor: float) -> tuple[Array, Array]:
-    """For pixels of the output, along an axis: the pixel of the source map, and how far from its middle they lie."""
-    place = (np.arange(first, stop) + 0.5) / factor - 0.5
-    nearest = np.clip(np.rint(place - 1e-9), 0, count - 1).astype(np.intp)
-    return nearest, place - nearest
-
-
-def _look(looks: list[Look], points: Array, offset: list[Array], factor: float) -> Array:
-    """Values (n, c) at an offset (down, right) in output pixels from points (n, 6) of a source map."""
-    places = continued(points, *offset)
-    points = points.astype(np.float64)
-    if factor != 1:
-        places = (places + 0.5) * factor - 0.5
-        whole = np.rint(places)
-        places = np.where(np.abs(places - whole) < 1e-6, whole, places)
-    points[:, 1:3] = places
-    result = np.empty((len(points), looks[0].exemplar.shape[2]), np.float32)
-    for number, look in enumerate(looks):
-        own = points[:, 0] == number
-        if own.any():
-            result[own] = look.at(points[own])
-    return result
-
-
-def _mixture(
-    looks: list[Look], around: seam_neighbours.Around, parent: Array, offset: list[Array], factor: float
-) -> Array:
-    """Weighted mean (n, c) of what the pieces around show, each continued up to the pixels.
-
-    Pixels lie at an ``offset`` (down, right) from pixels of the source map, whose numbers in ``around`` are their
-    ``parent``.
-    """
-    apart = [part[:, None] - seam_neighbours.OFFSETS[:, axis] for axis, part in enumerate(offset)]
-    weights = np.exp(-2 * (apart[0] ** 2 + apart[1] ** 2) / seam_neighbours.RADIUS**2)
-    shapes = np.array([look.exemplar.shape[:2] for look in looks]) / factor
-    total = np.zeros((len(parent), looks[0].exemplar.shape[2]))
-    sums = np.zeros((len(parent), 1))
-    for number in range(len(seam_neighbours.OFFSETS)):
-        chosen = np.flatnonzero(around.first[parent, number] == number)
-        points = around.points[parent[chosen], number]
-        inside = np.ones(len(chosen), bool)
-        if number > 0:  # a pixel's own piece shows its border if need be
-            places = continued(points, *(part[chosen] for part in offset))
-            inside = ((places > -0.5) & (places < shapes[points[:, 0].astype(np.intp)] - 0.5)).all(axis=1)
-        chosen, points = chosen[inside], points[inside]
-        if len(chosen):
-            alike = around.first[parent[chosen]] == number
-            weight = (weights[chosen] * alike).sum(axis=1, keepdims=True)
-            total[chosen] += weight * _look(looks, points, [part[chosen] for part in offset], factor)
-            sums[chosen] += weight
-    mean: Array = (total / sums).astype(np.float32)
-    return mean

@@ -53,6 +53,20 @@ def test_another_view_is_another_piece(channel):
     assert near_seams(source, ALL)[:, 2:6].all()
 
 
+def test_maps_that_wrap_around_go_on_over_their_borders():
+    """Moved around, what is around the border pixels is that of inner ones."""
+    source = two_pieces()
+    moved = np.roll(source, 5, axis=1)
+    assert not near_seams(source, ALL)[:, -2:].any()
+    wrapped = near_seams(moved, ALL, (False, True))
+    np.testing.assert_array_equal(wrapped[:, 4:7], True)
+    np.testing.assert_array_equal(wrapped[:, [0, 7, 8]], near_seams(source, ALL)[:, [4, 2, 3]])
+    inner = around(source, ALL, np.array([4]), np.array([3]))
+    border = around(moved, ALL, np.array([4]), np.array([8]), (False, True))
+    np.testing.assert_array_equal(inner.points, border.points)
+    np.testing.assert_array_equal(inner.first, border.first)
+
+
 def test_small_maps():
     assert not near_seams(np.zeros((1, 1, 6), np.float32), np.ones((1, 1), bool)).any()
     assert near_seams(np.zeros((1, 2, 6), np.float32), np.ones((1, 2), bool)).all()

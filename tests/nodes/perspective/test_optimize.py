@@ -3,9 +3,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from graphtex import Cancelled, Context
 from graphtex_nodes.image.exemplars.pebbles import pebbles
+from graphtex_nodes.numerics import membrane
 from graphtex_nodes.numerics.guidance import resampled
 from graphtex_nodes.perspective.feature_mask import feature_mask
 from graphtex_nodes.perspective.feature_scale import feature_scale
@@ -68,6 +70,19 @@ def test_discrete_vote_replays(maps):
     rows, columns = (result.source[..., k].astype(int) for k in (1, 2))
     np.testing.assert_array_equal(result.image, NOISE[rows, columns])
     assert (result.source[..., [0, 3, 4, 5]] == 0).all()
+
+
+def test_uneven_light_does_not_show_at_seams(monkeypatch):
+    """The steepest places of the smoothed result, where pieces are bent to meet and where they only fade."""
+    light = 0.3 * np.sin(np.linspace(0, 6, 96))[:, None] * np.cos(np.linspace(0, 5, 96))
+    exemplar = np.clip(0.5 + light[..., None] + 0.15 * (RNG.random((96, 96, 1)) - 0.5), 0, 1).astype(np.float32)
+
+    def steepest(image):
+        return np.quantile(np.hypot(*np.gradient(gaussian_filter(image[..., 0], 3))), 0.995)
+
+    own, bent = steepest(exemplar), steepest(optimize(exemplar, rng=3, ctx=QUIET).image)
+    monkeypatch.setattr(membrane, "level", lambda *_: None)
+    assert bent - own < 0.6 * (steepest(optimize(exemplar, rng=3, ctx=QUIET).image) - own)
 
 
 def test_blend_and_discrete_share_their_sources():

@@ -42,13 +42,44 @@ def test_discrete_vote_replays_to_the_bit(options):
     assert ("more" in options) == (made.source[..., 0].max() == 1)
 
 
-@pytest.mark.parametrize("options", [{}, {"mirror": True}, {"target_angle": LEVEL + 40}])
+@pytest.mark.parametrize("options", [{}, {"mirror": True}, {"tileable": "both"}, {"tileable": "x", "mirror": True}])
 def test_blended_vote_replays_but_for_rounding(options):
     made = synthesis(STACK, kinds=KINDS, **options)
-    again = replay(made.source, [STACK], vote="blend", kinds=KINDS, ctx=QUIET)
+    sides = options.get("tileable", "none")
+    again = replay(made.source, [STACK], vote="blend", kinds=KINDS, tileable=sides, ctx=QUIET)
     error = np.abs(again - made.image).max(axis=2)
     assert np.quantile(error, 0.97) < 1e-5  # a copy's own border is known to the synthesis alone
     assert (made.image != replay(made.source, [STACK], kinds=KINDS, ctx=QUIET)).any()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"target_angle": LEVEL + 40},
+        {"exemplar_scale": SCALE, "target_scale": SCALE, "resample": 1.6},
+        {"more": [STACK[::2].copy()]},
+    ],
+    ids=["turned", "resampled", "two exemplars"],
+)
+def test_blended_vote_of_other_copies_replays_nearly(options):
+    """The borders of copies are known to the synthesis alone."""
+    made = synthesis(STACK, kinds=KINDS, **options)
+    maps = [STACK, *options.get("more", [])]
+    error, rest = (
+        np.abs(replay(made.source, maps, vote=vote, kinds=KINDS, ctx=QUIET) - made.image)[..., :3].mean()
+        for vote in ("blend", "discrete")
+    )
+    assert error < 0.1 * rest
+
+
+def test_larger_blended_maps_are_levelled_as_the_synthesis():
+    """A picture shown four times as large, and one that is but brighter on one side, give the same trend."""
+    shaded = np.clip(0.4 + 0.1 * (NOISE - 0.5) + 0.4 * (COLUMN[..., None] > 21), 0, 1).astype(np.float32)
+    made = synthesis(shaded)
+    large = replay(made.source, [shaded.repeat(2, 0).repeat(2, 1)], vote="blend", factor=2, ctx=QUIET)
+    means = large.reshape(70, 2, 60, 2, 3).mean(axis=(1, 3))
+    discrete = replay(made.source, [shaded], ctx=QUIET)
+    assert np.abs(means - made.image).mean() < 0.3 * np.abs(discrete - made.image).mean()
 
 
 def test_two_maps_from_one_guide():
