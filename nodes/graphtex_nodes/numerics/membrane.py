@@ -39,7 +39,7 @@ def missing(image: Array, steps: Array, variance: float, wrap: tuple[bool, bool]
     height, width, channels = image.shape
     result = np.empty((channels, height, width), np.float32)
     lines, step_lines = image.reshape(height, -1), steps.reshape(2, height, -1)
-    longest = np.float32(max(TORN**2 * variance, np.finfo(np.float32).tiny))
+    longest = np.float32(max(TORN**2 * variance, float(np.finfo(np.float32).tiny)))
 
     def band(first: int, stop: int) -> None:
         seam_kernels.missing_steps(lines, step_lines, longest, *map(np.uint8, wrap), result, first, stop)

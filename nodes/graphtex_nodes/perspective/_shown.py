@@ -47,43 +47,41 @@ class Shown:
         points = self.source[np.ix_(self.rows[band], self.columns)].reshape(-1, 6)
         return self._look(points, offsets).reshape(-1, len(self.columns), self.channels)
 
-    def faded(self, chosen: Flags, band: slice, ahead: tuple[int, int] | None = None) -> Array:
+    def faded(self, chosen: Flags, band: slice) -> tuple[Array, Array]:
         """Mean (n, c) of the pieces around, each continued up to the pixels that are ``chosen`` in a band of rows.
 
-        With ``ahead`` the mean of their differences to the pixel so far down and right, 0 where no piece goes on.
+        And the means (2, n, c) of their differences to the pixels below and to the right, 0 where no piece goes on.
         """
         y, x = np.nonzero(chosen[band])
-        if not len(y):
-            return np.empty((0, self.channels), np.float32)
-        rows, offset = self.rows[band], [self.down[band][y], self.right[x]]
-        place, parent = np.unique(rows[y] * self.source.shape[1] + self.columns[x], return_inverse=True)
+        values, steps = np.zeros((len(y), self.channels)), np.zeros((2, len(y), self.channels))
+        totals = np.zeros((3, len(y), 1))
+        offset = [self.down[band][y], self.right[x]]
+        place, parent = np.unique(self.rows[band][y] * self.source.shape[1] + self.columns[x], return_inverse=True)
         rows, columns = np.divmod(place, self.source.shape[1])
         around = seam_neighbours.around(self.source, self.free, rows, columns, self.wrap)
         apart = [part[:, None] - seam_neighbours.OFFSETS[:, axis] for axis, part in enumerate(offset)]
         weights = np.exp(-2 * (apart[0] ** 2 + apart[1] ** 2) / seam_neighbours.RADIUS**2)
-        beyond = (
-            None if ahead is None else [part + step / self.factor for part, step in zip(offset, ahead, strict=True)]
-        )
-        total, sums = np.zeros((len(parent), self.channels)), np.zeros((len(parent), 1))
         for number in range(len(seam_neighbours.OFFSETS)):
             mine = np.flatnonzero(around.first[parent, number] == number)
-            points = around.points[parent[mine], number]
-            fits = np.ones(len(mine), bool)
+            points, moved = around.points[parent[mine], number], [part[mine] for part in offset]
             if number > 0:  # a pixel's own piece shows its border if need be
-                fits = self._inside(points, [part[mine] for part in offset])
-            if beyond is not None:
-                fits &= self._inside(points, [part[mine] for part in beyond])
-            mine, points = mine[fits], points[fits]
-            if len(mine):
-                alike = around.first[parent[mine]] == number
-                weight = (weights[mine] * alike).sum(axis=1, keepdims=True)
-                values = self._look(points, [part[mine] for part in offset])
-                if beyond is not None:
-                    values = self._look(points, [part[mine] for part in beyond]) - values
-                total[mine] += weight * values
-                sums[mine] += weight
-        mean: Array = (total / np.where(sums > 0, sums, 1)).astype(np.float32)
-        return mean
+                fits = self._inside(points, moved)
+                mine, points, moved = mine[fits], points[fits], [part[fits] for part in moved]
+            if not len(mine):
+                continue
+            weight = (weights[mine] * (around.first[parent[mine]] == number)).sum(axis=1, keepdims=True)
+            shown = self._look(points, moved)
+            values[mine] += weight * shown
+            totals[2, mine] += weight
+            for axis in (0, 1):
+                ahead = [part + (side == axis) / self.factor for side, part in enumerate(moved)]
+                goes = self._inside(points, ahead)
+                next_ones = self._look(points[goes], [part[goes] for part in ahead])
+                steps[axis, mine[goes]] += weight[goes] * (next_ones - shown[goes])
+                totals[axis, mine[goes]] += weight[goes]
+        values /= totals[2]
+        steps /= np.where(totals[:2] > 0, totals[:2], 1)
+        return values.astype(np.float32), steps.astype(np.float32)
 
     def _inside(self, points: Array, offset: list[Array]) -> Flags:
         """Whether pieces go on at an offset from points (n, 6) of the source map."""

@@ -92,29 +92,32 @@ def replay(
     bands = [slice(first, min(height, first + rows)) for first in range(0, height, rows)]
     for band in bands:
         result[band] = shown.copied(band)
-        ctx.progress(band.stop / height * (1.0 if vote == "discrete" else 0.3), "copying")
+        ctx.progress(band.stop / height * (1.0 if vote == "discrete" else 0.2), "copying")
     if vote == "blend":
         mixed = shown.near_seams()
-        for band in bands:
-            result[band][mixed[band]] = shown.faded(mixed, band)
-            ctx.progress(0.3 + 0.3 * band.stop / height, "fading")
         bend = bendable(kinds, result.shape[2])
-        if known is None and mixed.any() and bend.any():
-            _level(result, shown, mixed, bands, bend, ctx)
+        if mixed.any():
+            _fade(result, shown, mixed, bands, bend & (known is None), ctx)
         result = renormalised(result, kinds)
     return result
 
 
-def _level(result: Array, shown: Shown, mixed: Flags, bands: list[slice], bend: Flags, ctx: Context) -> None:
-    """Bend faded pieces to meet each other, in the channels ``bend``, as a synthesis does."""
+def _fade(result: Array, shown: Shown, mixed: Flags, bands: list[slice], bend: Flags, ctx: Context) -> None:
+    """Let pieces fade into each other where they are ``mixed``, and bend them to meet in the channels ``bend``."""
     from graphtex_nodes.numerics import membrane
 
-    own = np.stack([np.roll(result, -1, axis) - result for axis in (0, 1)])
+    beside = [mixed | np.roll(mixed, -1, axis) for axis in (0, 1)]  # there steps to a neighbour are not copies
+    near = beside[0] | beside[1]
+    own = np.empty((2, *result.shape), np.float32)
+    for band in bands:
+        values, steps = shown.faded(near, band)
+        result[band][mixed[band]] = values[mixed[band][near[band]]]
+        own[:, band][:, near[band]] = steps
+        ctx.progress(0.2 + 0.7 * band.stop / len(result), "fading")
+    if not bend.any():
+        return
     for axis, steps in enumerate(own):
-        near = mixed | np.roll(mixed, -1, axis)
-        for band in bands:
-            steps[band][near[band]] = shown.faded(near, band, (1 - axis, axis))
-            ctx.progress(0.6 + 0.2 * axis + 0.2 * band.stop / result.shape[0], "fading")
+        steps[~beside[axis]] = (np.roll(result, -1, axis) - result)[~beside[axis]]
     seen = [np.concatenate([look.exemplar[..., c].ravel() for look in shown.looks]) for c in range(result.shape[2])]
     variance = sum(float(np.var(values, dtype=np.float64)) for values in seen)
     limits = np.array([values.min() for values in seen]), np.array([values.max() for values in seen])
