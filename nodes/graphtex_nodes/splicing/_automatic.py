@@ -25,7 +25,11 @@ OTHER = 0.25  # share of the parts that must have been missed for them to be a s
 GAIN = 1.1  # by which a second kind must explain more
 VARIED = 0.2  # deviation of logarithms of areas from which parts are not all alike
 SPECK = 0.1  # of the typical area: smaller parts are no elements
+ASTRAY = 0.25  # share of elements that may lie off the parts: on a plain ground likenesses of elements are found
 CUT_OFF = 0.5  # of it: smaller parts at the border are not counted, their centres are too uncertain
+PACKED, LEAST_MERIT = 0.5, 0.25  # share of the picture in parts between joints, and merit, where all may be elements
+SAME_BOX = 0.7  # overlap (IoU) of an example with its part
+MANY = 0.5  # share of the parts that one example does not look like
 
 
 @dataclass(frozen=True)
@@ -75,7 +79,7 @@ def _chosen(even: Even, search: Search) -> Choice | None:
     parts = divided[0]
     if alike is None:
         return _of_parts(parts, search)
-    same = not _missed(alike, parts).any()
+    same = not _missed(alike, parts).any() and _astray(alike, parts) <= ASTRAY
     if same and (search.growth > 1 or len(alike.examples) > 1 or parts.spread <= VARIED):
         return replace(alike, confidence=max(alike.confidence, parts.merit))
     return alike if alike.confidence >= parts.merit else _of_parts(parts, search)
@@ -101,20 +105,60 @@ def _centred(choice: Choice, even: Even) -> Choice:
     return replace(choice, examples=[outlined], found=moved)
 
 
-def _of_parts(parts: Parts, search: Search) -> Choice:
-    """All parts of a partition that may be elements; the scale of each is the root of its area over the typical one."""
+def as_parts(image: Array, search: Search, examples: list[Example], found: Detection) -> Choice | None:
+    """All parts that joints leave of a picture, where the examples are such parts; None where they are not.
+
+    Bricks and stones differ too much for one to look like the others. Where many of the parts were `found` because
+    they look like the examples, only those are meant.
+    """
+    divided = [
+        parts for parts in partitions(even_and_small(image)) if all(_marked(parts, each) >= 0 for each in examples)
+    ]
+    parts = max(divided, key=lambda parts: parts.merit, default=None)
+    if parts is None or parts.merit < LEAST_MERIT or np.count_nonzero(parts.labels) < PACKED * parts.labels.size:
+        return None
+    alike = Choice(examples, found, score_floor(found.poses.scores), 0.0)
+    if np.count_nonzero(_missed(alike, parts)) < MANY * np.count_nonzero(parts.fits):
+        return None
+    return replace(_of_parts(parts, search, _marked(parts, examples[0])), examples=examples)
+
+
+def _marked(parts: Parts, example: Example) -> int:
+    """Index of the part that lies in an example's box and fills it; -1 without."""
+    row, column = (
+        min(round(place / parts.step), side - 1)
+        for place, side in zip((example.y, example.x), parts.labels.shape, strict=True)
+    )
+    index = int(parts.labels[row, column]) - 1
+    if index < 0:
+        return -1
+    top, bottom, left, right = parts.boxes[index]
+    box = np.array([left, top, right, bottom]) - 0.5 + parts.rim / 2 * np.array([-1, -1, 1, 1])
+    half = np.array([example.width, example.height]) / 2
+    middle = np.array([example.x, example.y])
+    wanted = np.concatenate([middle - half, middle + half]) / parts.step
+    common = np.prod(np.maximum(np.minimum(box, wanted)[2:] - np.maximum(box, wanted)[:2], 0))
+    areas = np.prod(box[2:] - box[:2]) + np.prod(wanted[2:] - wanted[:2])
+    return index if common >= SAME_BOX * (areas - common) else -1
+
+
+def _of_parts(parts: Parts, search: Search, typical: int | None = None) -> Choice:
+    """All parts of a partition that may be elements; the scale of each is the root of its area over the typical one.
+
+    That is the one in the middle of the covered area, if it is not given.
+    """
     fits = np.flatnonzero(parts.fits)
     by_size = fits[np.argsort(parts.areas[fits], kind="stable")]
     covered = np.cumsum(parts.areas[by_size])
-    middle = by_size[np.searchsorted(covered, covered[-1] / 2)]
-    typical = parts.areas[middle]
-    scales = np.sqrt(parts.areas / typical)
+    middle = int(by_size[np.searchsorted(covered, covered[-1] / 2)]) if typical is None else typical
+    area = parts.areas[middle]
+    scales = np.sqrt(parts.areas / area)
     sides = (parts.boxes[:, [3, 1]] - parts.boxes[:, [2, 0]]) / scales[:, None]
     width, height = np.median(sides[fits], axis=0) + parts.rim
     x, y = parts.points[middle]
     example = enlarged(Example.model_construct(x=x, y=y, width=width, height=height), parts.step, parts.size)
-    kept = parts.fits & (parts.areas >= SPECK * typical)
-    kept |= ~parts.fits & (parts.areas >= CUT_OFF * typical) & (parts.areas <= LARGEST_SHARE * parts.labels.size)
+    kept = parts.fits & (parts.areas >= SPECK * area)
+    kept |= ~parts.fits & (parts.areas >= CUT_OFF * area) & (parts.areas <= LARGEST_SHARE * parts.labels.size)
     scores = np.clip(2 * parts.roundness - 1, 0, 1)
     index = np.flatnonzero(kept)
     index = index[np.argsort(-scores[index], kind="stable")]
@@ -154,6 +198,13 @@ def _missed(choice: Choice, parts: Parts) -> Array:
         short = min(min(example.width, example.height) for example in choice.examples)
         missed &= np.asarray(cKDTree(choice.points).query(parts.points * parts.step)[0]) > short / 2
     return missed
+
+
+def _astray(choice: Choice, parts: Parts) -> float:
+    """Share of the elements chosen whose centre lies on no part."""
+    last = np.array(parts.labels.shape[::-1]) - 1
+    column, row = np.clip(np.rint(choice.points / parts.step), 0, last).astype(np.intp).T
+    return float((parts.labels[row, column] == 0).mean()) if len(row) else 0.0
 
 
 def _trial(guess: Proposal, search: Search, shape: tuple[int, ...]) -> float:

@@ -79,12 +79,12 @@ class Search:
         poses, step = found.poses, found.step
         if not len(poses.points) or not (self.turned or step > 1):
             return found
-        turn, grow = self.turn > 0, self.growth > 1
+        turn = self.turn > 0
         half, left = self._halved(step)
         share = left / step
         poses = poses.at(share)
         poses = Poses.joined([
-            refined(half, resized(example, share), poses.take(poses.kinds == kind), left, turn, grow, self.ctx)
+            refined(half, resized(example, share), poses.take(poses.kinds == kind), left, turn, self.growth, self.ctx)
             for kind, example in enumerate(examples)
         ]).at(1 / share)  # fmt: skip
         return Detection(thinned(poses, examples, self.radius), found.similarity, step)

@@ -109,8 +109,12 @@ class Sight:
         return self._correlators[reach]
 
 
-def refined(image: Array, example: Example, poses: Poses, step: float, turn: bool, grow: bool, ctx: Context) -> Poses:
+def refined(
+    image: Array, example: Example, poses: Poses, step: float, turn: bool, growth: float, ctx: Context
+) -> Poses:  # fmt: skip
     """Poses that match the mean of all elements best, by a search with falling steps around each.
+
+    Angles change with `turn` only, scales within `growth`.
 
     The first pass compares with the example, the second with the mean of what matched, whose own chance looks and
     surroundings are averaged out.
@@ -124,17 +128,18 @@ def refined(image: Array, example: Example, poses: Poses, step: float, turn: boo
     u, v = (grid.ravel() for grid in np.meshgrid(line, line))
     round_grid = u * u + v * v <= 1.1
     reach = max(example.width, example.height) / 2
-    if turn or grow:
+    if turn or growth > 1:
         u, v = u[round_grid] * reach, v[round_grid] * reach
     else:
         u, v = u * example.width / 2, v * example.height / 2
     given = Poses(np.array([[example.x, example.y]]), np.zeros(1), np.ones(1), np.ones(1), np.zeros(1, np.int64))
     smooth = np.ascontiguousarray(smooth, np.float32)
     wanted = _samples(smooth, given, u, v)[0]
+    farthest = np.array([np.inf, np.inf, np.inf if turn else 0.0, np.log(growth)])
     for _ in range(2):
         ctx.check()
         starts = STARTS if turn else (0.0,)
-        found = [_climb(smooth, wanted[0], u, v, poses.turned(start), step, turn, grow, ctx) for start in starts]
+        found = [_climb(smooth, wanted[0], u, v, poses.turned(start), step, farthest, ctx) for start in starts]
         best = np.argmax([each.scores for each in found], axis=0)
         each = np.arange(len(best))
         poses = Poses(*(np.stack(column)[best, each] for column in zip(*(f.columns() for f in found), strict=True)))
@@ -148,7 +153,7 @@ def refined(image: Array, example: Example, poses: Poses, step: float, turn: boo
 
 
 def _climb(
-    image: Array, wanted: Array, u: Array, v: Array, poses: Poses, step: float, turn: bool, grow: bool, ctx: Context
+    image: Array, wanted: Array, u: Array, v: Array, poses: Poses, step: float, farthest: Array, ctx: Context
 ) -> Poses:  # fmt: skip
     """Move each pose to a better neighbour until none is, with steps that are halved."""
     from graphtex_nodes.numerics.parallel import for_rows
@@ -156,13 +161,12 @@ def _climb(
 
     values = np.stack([*poses.points.T, poses.angles, np.log(poses.scales)], axis=1)
     lengths = np.array([0.6 * step, 0.6 * step, ANGLE_STEP / 3, np.log(SCALE_STEP) / 3])
-    moving = np.array([0, 1, *([2] if turn else []), *([3] if grow else [])])
     scores = np.empty(len(values))
 
     def band(first: int, stop: int) -> None:
-        pose_kernels.climb(image, wanted, u, v, FAINT, lengths, moving, HALVINGS, values, scores, first, stop)
+        pose_kernels.climb(image, wanted, u, v, FAINT, lengths, farthest, HALVINGS, values, scores, first, stop)
 
-    for_rows(band, len(values), 4.0 * HALVINGS * len(moving) * wanted.size, ctx)
+    for_rows(band, len(values), 4.0 * HALVINGS * np.count_nonzero(farthest) * wanted.size, ctx)
     angles = (values[:, 2] + 180) % 360 - 180
     return replace(poses, points=values[:, :2].copy(), angles=angles, scales=np.exp(values[:, 3]), scores=scores)
 

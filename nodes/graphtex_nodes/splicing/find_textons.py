@@ -58,7 +58,9 @@ def find_textons(
     image
         Shape (h, w, c).
     examples
-        Each with ``x``, ``y`` (its centre), ``width`` and ``height`` in pixels. Without any the picture is divided, in
+        Each with ``x``, ``y`` (its centre), ``width`` and ``height`` in pixels. Where joints part all of the picture,
+        these are such parts, and most of the others look like none of them, all parts are elements (not with `turn` or
+        `growth`). Without any the picture is divided, in
         halves of its colours and along its dark and its bright joints, and each partition judged by how round, even and
         free its parts are. Of each the typical part, and blobs, are tried as examples; the one that explains the
         picture best is taken (mean correlation x root of the share covered once x regularity), and a second kind if
@@ -103,7 +105,7 @@ def find_textons(
     >>> bool(np.hypot(*(found.points - made.centres[0]).T).min() < 2)
     True
     """
-    from graphtex_nodes.splicing._automatic import choose
+    from graphtex_nodes.splicing._automatic import as_parts, choose
     from graphtex_nodes.splicing._detection import Search
     from graphtex_nodes.splicing._peaks import score_floor
 
@@ -116,6 +118,9 @@ def find_textons(
     if given:
         found = sought.detect(given)
         floor = score_floor(found.poses.scores)
+        parted = None if sought.turned else as_parts(image, sought, given, found)
+        if parted is not None:
+            found, floor = parted.found, parted.floor
     else:
         choice = choose(image, sought)
         if choice is None:

@@ -47,12 +47,12 @@ def match(image, wanted, u, v, faint, x, y, angle, log_scale):
 
 
 @kernel(
-    "const f4[:,:,:], const f8[:,:], const f8[:], const f8[:], f8, const f8[:], const i8[:], i8, f8[:,:], f8[:], i8, i8"
+    "const f4[:,:,:], const f8[:,:], const f8[:], const f8[:], f8, const f8[:], const f8[:], i8, f8[:,:], f8[:], i8, i8"
 )
-def climb(image, wanted, u, v, faint, lengths, moving, halvings, values, scores, first, stop):
+def climb(image, wanted, u, v, faint, lengths, farthest, halvings, values, scores, first, stop):
     """Move poses to better neighbours until none is, with steps that are halved, and write what they score.
 
-    Each row of ``values`` is x, y, angle and logarithm of the scale; those in ``moving`` change.
+    Each row of ``values`` is x, y, angle and logarithm of the scale. None moves farther than ``farthest`` from 0.
     """
     for number in range(first, stop):
         pose = values[number]
@@ -60,10 +60,13 @@ def climb(image, wanted, u, v, faint, lengths, moving, halvings, values, scores,
         for halving in range(halvings):
             for _ in range(2):
                 better = False
-                for axis in moving:
+                for axis in range(4):
                     for way in (-1.0, 1.0):
                         before = pose[axis]
                         pose[axis] = before + way * lengths[axis] / 2.0**halving
+                        if abs(pose[axis]) > max(farthest[axis], abs(before)):
+                            pose[axis] = before
+                            continue
                         score = match(image, wanted, u, v, faint, pose[0], pose[1], pose[2], pose[3])
                         if score > best + 1e-9:
                             best, better = score, True

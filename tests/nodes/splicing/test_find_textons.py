@@ -63,6 +63,40 @@ def test_turned_and_sized():
     assert np.abs(sizes - 1).max() < 0.1
 
 
+def holes(count: int = 36, side: int = 160) -> tuple[np.ndarray, np.ndarray]:
+    """Shaded hollows of four sizes on a plain ground, and their centres."""
+    rng = np.random.default_rng(0)
+    y, x = np.mgrid[:side, :side]
+    image, centres, radii = np.full((side, side, 3), (0.94, 0.82, 0.5)), [], []
+    while len(centres) < count:
+        centre, radius = rng.uniform(4, side - 5, 2), float(rng.choice([4.5, 5.5, 6.5, 8.5], p=[0.4, 0.3, 0.2, 0.1]))
+        if all(np.hypot(*(centre - other)) > radius + more + 5 for other, more in zip(centres, radii, strict=True)):
+            centres.append(centre)
+            radii.append(radius)
+    for (left, top), radius in zip(centres, radii, strict=True):
+        depth = np.clip(1.5 - 1.5 * np.hypot(x - left, y - top) / radius, 0, 1)[..., None] * rng.uniform(0.5, 1)
+        image = image * (1 - depth) + depth * np.array([0.85, 0.55, 0.12])
+    return image.astype(np.float32), np.array(centres)
+
+
+def test_nothing_is_found_on_a_plain_ground():
+    """Half way between two hollows the ground looks a little like them: 30 more are found where parts do not count."""
+    image, centres = holes()
+    found = find_textons(image)
+    apart = np.hypot(*(found.points[:, None] - centres[None]).transpose(2, 0, 1))
+    assert apart.min(axis=0).max() < 3
+    assert len(found.points) == len(centres)
+    assert found.confidence > 0.5
+
+
+def test_sizes_stay_in_range():
+    """Discs of half the example's size are too small, however well they fit."""
+    made = textons(width=160, height=160, size=14.0, jitter=0.1, rng=1)
+    x, y = made.centres[np.argmin(np.hypot(*(made.centres - 80).T))]
+    found = find_textons(made.image, examples=[{"x": x, "y": y, "width": 28, "height": 28}], growth=1.3)
+    assert 1 / 1.3 - 1e-9 <= found.elements.scales.min() <= found.elements.scales.max() <= 1.3 + 1e-9
+
+
 def test_places_are_between_pixels():
     made = small(rng=6)
     found = find_textons(made.image, examples=[central(made)[1]])

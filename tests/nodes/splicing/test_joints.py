@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 from scipy.ndimage import gaussian_filter
 
 from graphtex import Context, Elements
@@ -85,3 +86,17 @@ def test_colours_are_kept_where_they_tell_more():
     cut = separate_foreground(image, Elements(points, np.zeros(16), np.ones(16)), width=16.0, height=16.0)
     assert (cut.mask == disc).mean() > 0.99
     assert len(partitions(even_and_small(image))) > 0
+
+
+def test_one_stone_stands_for_all_between_joints():
+    """No other has its tone, so correlation alone finds few; a box that fits no stone does not stand for any."""
+    image, truth = pavement(2)
+    row, column = (values.mean() for values in np.nonzero(truth == truth[50, 70]))
+    example = {"x": column, "y": row, "width": 28, "height": 18}
+    stones = np.unique(truth[10:-10, 15:-15])[1:]
+    found = find_textons(image, examples=[example])
+    hit = truth[np.rint(found.points[:, 1]).astype(int), np.rint(found.points[:, 0]).astype(int)]
+    assert len(np.intersect1d(hit, stones)) > 0.85 * len(stones)
+    assert np.quantile(found.elements.scales, [0.2, 0.8]) == pytest.approx(1, abs=0.15)
+    loose = find_textons(image, examples=[{**example, "width": 12, "height": 10}])
+    assert len(loose.points) != len(found.points)
