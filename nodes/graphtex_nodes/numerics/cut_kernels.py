@@ -3,7 +3,8 @@
 # mypy: allow-untyped-defs
 
 import numpy as np
-from numba import njit
+from numba import njit, types
+from numba.extending import intrinsic
 
 from graphtex_nodes.numerics.jit import kernel
 
@@ -39,6 +40,37 @@ def seam(exemplar, usable, y, x, down, right, one_y, one_x, other_y, other_x, jo
     return join + apart * busy / (busy + change)
 
 
+@intrinsic
+def fused(typing_context, a, b, c):
+    """``a * b + c``, rounded once."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.fma(*arguments)
+
+    return types.float32(types.float32, types.float32, types.float32), generate
+
+
+@njit(inline="always", fastmath={"contract"})
+def both_seams(exemplar, usable, y, x, down, right, one_y, one_x, other_y, other_x, join, busy):
+    """:func:`seam` of one piece and another, and of the other and the one: in the last bits these differ."""
+    ay, ax, by, bx = y + one_y, x + one_x, y + other_y, x + other_x
+    if not (copied(usable, ay, ax) and copied(usable, ay + down, ax + right)):
+        return OUTSIDE, OUTSIDE
+    if not (copied(usable, by, bx) and copied(usable, by + down, bx + right)):
+        return OUTSIDE, OUTSIDE
+    apart = np.float32(0)
+    forth = np.float32(0)
+    back = np.float32(0)
+    for c in range(exemplar.shape[2]):
+        a, b = exemplar[ay, ax, c], exemplar[by, bx, c]
+        a_next, b_next = exemplar[ay + down, ax + right, c], exemplar[by + down, bx + right, c]
+        first, then, one, other = a - b, a_next - b_next, a - a_next, b - b_next
+        apart += fused(first, first, then * then)
+        forth += fused(one, one, other * other)
+        back += fused(other, other, one * one)
+    return join + apart * busy / (busy + forth), join + apart * busy / (busy + back)
+
+
 @njit(inline="always", fastmath={"contract"})
 def unlike(exemplar, usable, image, y, x, ey, ex, weights):
     """Squared difference of an exemplar pixel from the image at (y, x), with ``weights`` (c,) of the channels."""
@@ -51,7 +83,7 @@ def unlike(exemplar, usable, image, y, x, ey, ex, weights):
     return total
 
 
-@njit(fastmath={"contract"})
+@njit(inline="always", fastmath={"contract"})
 def inside_cost(exemplar, usable, image, known, side, step, row, column, shift_y, shift_x, pull, join, even):
     """Cost of a block that shows a piece: how unlike the image it is, and how it goes on in known pixels beside it."""
     height, width = known.shape
@@ -68,7 +100,7 @@ def inside_cost(exemplar, usable, image, known, side, step, row, column, shift_y
     return total * step * step
 
 
-@njit(fastmath={"contract"})
+@njit(inline="always", fastmath={"contract"})
 def border_cost(exemplar, usable, known, side, step, row, column, down, one_y, one_x, other_y, other_x, join, busy):
     """Cost of the seam between a block of one piece and the next one, below or on the right, of another."""
     total = np.float32(0)
@@ -82,6 +114,23 @@ def border_cost(exemplar, usable, known, side, step, row, column, down, one_y, o
             continue
         total += seam(exemplar, usable, y, x, down, right, one_y, one_x, other_y, other_x, join, busy)
     return total * step
+
+
+@njit(inline="always", fastmath={"contract"})
+def both_costs(exemplar, usable, known, side, step, row, column, down, one_y, one_x, other_y, other_x, join, busy):
+    """:func:`border_cost` between one piece's block and the next of another, and between the other's and the one's."""
+    forth = np.float32(0)
+    back = np.float32(0)
+    right = 1 - down
+    for k in range(0, side, step):
+        y = (row + 1) * side - 1 if down else row * side + k
+        x = column * side + k if down else (column + 1) * side - 1
+        if y + down >= known.shape[0] or x + right >= known.shape[1] or known[y, x] or known[y + down, x + right]:
+            continue
+        costs = both_seams(exemplar, usable, y, x, down, right, one_y, one_x, other_y, other_x, join, busy)
+        forth += costs[0]
+        back += costs[1]
+    return forth * step, back * step
 
 
 @njit(inline="always")
@@ -135,7 +184,13 @@ def growth_costs(
                 there = open_block(pieces, free, box, below, beside, piece_y, piece_x)
                 if not here and not there:
                     continue
-                for k in range(3):
+                pair = here and there and here_y == there_y and here_x == there_x
+                if pair:
+                    grown[row, column, 1 + down], grown[row, column, 3 + down] = both_costs(
+                        exemplar, usable, known, side, step, row, column, down,
+                        here_y, here_x, piece_y, piece_x, join, busy,
+                    )  # fmt: skip
+                for k in range(1 if pair else 3):
                     if (
                         (k == 0 and present[row, column, 1 + down] >= 0)
                         or (k == 1 and not there)

@@ -22,6 +22,17 @@ def mean_of_three(values, sums, out):
             out[row, column] = sums[column] / 3.0
 
 
+@njit
+def sum_lines(shown, down, reach, lines):
+    """Write sums (b, n) of what is shown (a, b, n) at most ``reach`` tiles above or below row ``down`` of tiles."""
+    for right in range(lines.shape[0]):
+        for k in range(lines.shape[1]):
+            lines[right, k] = 0
+        for other in range(max(0, down - reach), min(shown.shape[0], down + reach + 1)):
+            for k in range(lines.shape[1]):
+                lines[right, k] += shown[other, right, k]
+
+
 @kernel("const i4[:,:,:], i8, i8, i4[:,:,:,:], f4[:,:,:,:]")
 def copies_around(field, reach, cell, counts, copies):
     """How often each cell of the exemplar is shown around each tile of the output, averaged over 3 x 3 cells.
@@ -32,35 +43,42 @@ def copies_around(field, reach, cell, counts, copies):
     """
     rows, columns = field.shape[0], field.shape[1]
     down_tiles, right_tiles, down_cells, right_cells = counts.shape
-    counts[:] = 0
+    cells = down_cells * right_cells
+    shown, found = counts.reshape(down_tiles, right_tiles, cells), copies.reshape(down_tiles, right_tiles, cells)
+    for down in range(down_tiles):
+        for right in range(right_tiles):
+            for k in range(cells):
+                shown[down, right, k] = 0
     for row in range(rows):
         for column in range(columns):
-            y, x = field[row, column, 0] // cell, field[row, column, 1] // cell
-            counts[row * down_tiles // rows, column * right_tiles // columns, y, x] += 1
-    lines = np.empty((right_tiles, down_cells, right_cells), np.int32)  # copies in tiles above and below, not beside
-    wide = np.empty((down_cells, right_cells), np.int32)
+            place = field[row, column, 0] // cell * right_cells + field[row, column, 1] // cell
+            shown[row * down_tiles // rows, column * right_tiles // columns, place] += 1
+    lines = np.zeros((right_tiles, cells), np.int32)  # copies in the tiles above and below one, itself among them
+    near = np.zeros((right_tiles, cells), np.int32)
+    total = np.zeros(cells, np.int32)
     smooth = np.empty((down_cells, right_cells), np.float32)
     turned, both = np.empty((right_cells, down_cells), np.float32), np.empty((right_cells, down_cells), np.float32)
     sums = np.empty(max(down_cells, right_cells))
     for down in range(down_tiles):
-        lines[:] = 0
-        for other in range(max(0, down - reach), min(down_tiles, down + reach + 1)):
-            lines += counts[other]
-        wide[:] = 0
-        for right in range(min(reach, right_tiles)):
-            wide += lines[right]
+        sum_lines(shown, down, reach, lines)
+        sum_lines(shown, down, 1, near)
         for right in range(right_tiles):
-            if right + reach < right_tiles:
-                wide += lines[right + reach]
-            if right - reach - 1 >= 0:
-                wide -= lines[right - reach - 1]
+            for k in range(cells):
+                total[k] = 0
+            for other in range(max(0, right - reach), min(right_tiles, right + reach + 1)):
+                for k in range(cells):
+                    total[k] += lines[other, k]
+            for other in range(max(0, right - 1), min(right_tiles, right + 2)):
+                for k in range(cells):
+                    total[k] -= near[other, k]
+            for k in range(cells):
+                found[down, right, k] = max(0, total[k])
             result = copies[down, right]
-            result[:] = wide
-            for other in range(max(0, down - 1), min(down_tiles, down + 2)):
-                for beside in range(max(0, right - 1), min(right_tiles, right + 2)):
-                    result -= counts[other, beside]
-            result[:] = np.maximum(result, np.float32(0))
             mean_of_three(result, sums, smooth)
-            turned[:] = smooth.T
+            for row in range(down_cells):
+                for column in range(right_cells):
+                    turned[column, row] = smooth[row, column]
             mean_of_three(turned, sums, both)
-            result[:] = both.T
+            for row in range(down_cells):
+                for column in range(right_cells):
+                    result[row, column] = both[column, row]
