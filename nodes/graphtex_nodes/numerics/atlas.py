@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.guidance import BINS
 from graphtex_nodes.numerics.materials import MapKind, turn
+from graphtex_nodes.numerics.parallel import Work, for_rows
 from graphtex_nodes.numerics.sources import ANGLE, COLUMN, INDEX, LOG, MIRRORED, ROW, Look, continued
 
 Array = NDArray[np.float32]
@@ -231,13 +232,20 @@ def _stacked(copies: list[Atlas], unit: int) -> Atlas:
     return Atlas(picture, scale, usable, origin, angle)
 
 
-def traced(sheet: Atlas, places: NDArray[np.integer]) -> tuple[Array, Array]:
+def traced(sheet: Atlas, places: NDArray[np.integer], work: Work) -> tuple[Array, Array]:
     """Source map (h, w, 6) of rows and columns of a sheet (h, w, 2), and each point (n, 6) that it shows, once.
 
     Where they are negative, for known pixels, the source is any and shows nothing.
     """
     origins = sheet.origin.reshape(-1, 6)
-    numbers = places[..., 0] * np.intp(sheet.origin.shape[1]) + places[..., 1]
     shown = np.zeros(len(origins), bool)
-    shown[numbers if places[..., 0].min() >= 0 else numbers[places[..., 0] >= 0]] = True
-    return origins.take(numbers, axis=0, mode="wrap"), origins.compress(shown, axis=0)
+    source = np.empty((*places.shape[:2], 6), np.float32)
+
+    def band(first: int, stop: int) -> None:
+        part = places[first:stop]
+        numbers = part[..., 0] * np.intp(sheet.origin.shape[1]) + part[..., 1]
+        shown[numbers if part[..., 0].min() >= 0 else numbers[part[..., 0] >= 0]] = True
+        origins.take(numbers, axis=0, mode="wrap", out=source[first:stop])
+
+    for_rows(band, len(places), 10.0 * places.shape[1], work)
+    return source, origins.compress(shown, axis=0)

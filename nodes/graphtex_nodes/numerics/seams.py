@@ -173,7 +173,7 @@ def seam_pixels(source: Field, work: Work) -> NDArray[np.uint8]:
     def band(first: int, stop: int) -> None:
         seam_kernels.mark_seams(source, flags, first, stop)
 
-    for_rows(band, source.shape[0], source.shape[1], work)
+    for_rows(band, source.shape[0], 5.0 * source.shape[1], work)
     return flags
 
 

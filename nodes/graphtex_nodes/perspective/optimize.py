@@ -272,7 +272,7 @@ def optimize(
         steps = seams.Steps(effort.cut, effort.moves, vote == "blend", effort.level, bend)
         image, places = seams.finish(problem, result, steps, ctx)
     coherence = aside(partial(sources.coherence, places), ctx)
-    source, shown = atlas.traced(sheet, places)
+    source, shown = atlas.traced(sheet, places, ctx)
     if problem.known is not None:
         source[problem.known] = 0
         source[problem.known, 0] = len(exemplars)

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
+from graphtex import Context
 from graphtex_nodes.numerics.atlas import Stock, enlarged, original, traced, view
 from graphtex_nodes.numerics.frames import whole_windows
 from graphtex_nodes.numerics.orientation import structure
@@ -101,7 +102,7 @@ def test_mirror_alone():
 def test_places_are_traced_to_their_origins():
     sheet = resampled_atlas()
     places = np.array([[[3, 4], [45, 7]], [[-1, -1], [3, 4]]], np.int32)  # one pixel is known
-    source, shown = traced(sheet, places)
+    source, shown = traced(sheet, places, Context(threads=2))
     assert source.shape == (2, 2, 6)
     for row, column in ((0, 0), (0, 1), (1, 1)):
         assert (source[row, column] == sheet.origin[tuple(places[row, column])]).all()
