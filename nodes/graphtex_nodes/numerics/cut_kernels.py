@@ -2,6 +2,8 @@
 
 # mypy: allow-untyped-defs
 
+from typing import Any
+
 import numpy as np
 from numba import njit, types
 from numba.extending import intrinsic
@@ -40,14 +42,16 @@ def seam(exemplar, usable, y, x, down, right, one_y, one_x, other_y, other_x, jo
     return join + apart * busy / (busy + change)
 
 
-@intrinsic
-def fused(typing_context, a, b, c):
+def _fused(typing_context, a, b, c):
     """``a * b + c``, rounded once."""
 
     def generate(context, builder, signature, arguments):
         return builder.fma(*arguments)
 
     return types.float32(types.float32, types.float32, types.float32), generate
+
+
+fused: Any = intrinsic(_fused)
 
 
 @njit(inline="always", fastmath={"contract"})
