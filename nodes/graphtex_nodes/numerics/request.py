@@ -196,7 +196,8 @@ def _scale_guide(
             f"{have.min():.2g} to {have.max():.2g}): the nearest are used there; resample makes copies of others"
         )
         target = np.clip(target, have.min(), have.max())
-    return guide, target * factor, guidance.importance(have, target[asked])
+    share = guidance.importance(have, target[asked])
+    return guide, target * factor, 1 + np.float32(trust) * (share - 1)  # noise must not leave parts unused
 
 
 def _direction_guide(

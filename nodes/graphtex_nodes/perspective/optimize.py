@@ -63,7 +63,7 @@ def optimize(
     *,
     width: Size = 0,
     height: Size = 0,
-    scale_weight: ScaleWeight = 0.75,
+    scale_weight: ScaleWeight = 1.0,
     scale_mode: ScaleMode = "fixed",
     vote: Vote = "blend",
     levels: Levels = 0,
@@ -124,8 +124,8 @@ def optimize(
     width, height
         Size of the output.
     scale_weight
-        Larger follows the scale more closely: 0.5 suits a target that resembles the exemplar's own map, 1 one that
-        differs much; from 2 on pictures suffer. Mere noise of that map (no plane, spread below 8 %) counts a tenth.
+        Larger follows the scale more closely, smaller keeps more elements whole: 0.5 suits a target like the exemplar's
+        own map; from 2 on pictures suffer. Mere noise of that map (no plane, spread below 8 %) counts a tenth.
     scale_mode
         ``fixed`` keeps the output's scale channel at the target. ``free`` synthesises it with the colours, as the paper
         is printed: a target then only rules the start.
