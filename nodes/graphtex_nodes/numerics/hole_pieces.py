@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from graphtex_nodes.numerics.expansion import expand
 from graphtex_nodes.numerics.membrane import SCREEN, relaxed
 from graphtex_nodes.numerics.move_search import Fit, Level, anchors, fits, laid_flat
-from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics.parallel import Work, for_each
 from graphtex_nodes.numerics.plane_moves import Move, Slope, Views
 from graphtex_nodes.numerics.pyramid import masked_pyramid
 
@@ -40,6 +40,8 @@ SWAY = 2
 """Pixels that a seam may move on each finer level."""
 PROBES = 2000
 """Known pixels by which a move is made more precise on a finer level."""
+LOOK = 500
+"""Elementary steps that it takes to look up a pixel between others."""
 
 
 @dataclass(frozen=True)
@@ -116,18 +118,29 @@ def fill(levels: Sequence[Level], found: Sequence[Fit], searched: int, work: Wor
                 labels[labels >= 0] = at
                 found = [found[label] for label in used]
         if number < searched:
-            found = [_finer(fit, level, views) for fit in found]
+            found = _finer_fits(found, level, views, work)
         here = [replace(fit, move=fit.move.halved(max(0, number - searched))) for fit in found]
         labels = _cut(level, views, here, labels, number < searched, work)
         work.progress(1 - number / len(levels), "cutting pieces")
     return _painted(levels[0], views, [fit.move for fit in here], labels, work)
 
 
-def _finer(fit: Fit, level: Level, views: Views) -> Fit:
+def _finer_fits(found: Sequence[Fit], level: Level, views: Views, work: Work) -> list[Fit]:
+    """Fits of a level half as fine, made right to the pixel."""
+    finer, region = list(found), level.region
+
+    def refine(number: int) -> None:
+        finer[number] = _finer(found[number], level, region, views)
+
+    for_each(refine, len(finer), 9.0 * PROBES * LOOK, work)
+    return finer
+
+
+def _finer(fit: Fit, level: Level, region: Array, views: Views) -> Fit:
     """A fit of a level half as fine, its move made right to the pixel by the known pixels around its anchor."""
     row, column, radius = 2 * fit.row + 0.5, 2 * fit.column + 0.5, 2 * fit.radius
     y, x = np.ogrid[: level.hole.shape[0], : level.hole.shape[1]]
-    near = level.region if not radius else (y - row) ** 2 + (x - column) ** 2 <= radius**2
+    near = region if not radius else (y - row) ** 2 + (x - column) ** 2 <= radius**2
     rows, columns = np.nonzero(near & ~level.hole)
     stride = max(1, rows.size // PROBES)
     rows, columns = rows[::stride], columns[::stride]
@@ -166,12 +179,17 @@ def _cut(level: Level, views: Views, found: Sequence[Fit], labels: Array, settle
     within, spread = level.hole[rows, columns], _spread(level)
     copies = np.empty((len(found), rows.size, level.picture.shape[2]), np.float32)
     unary = np.empty((len(found), rows.size), np.float32)
-    for number, fit in enumerate(found):
+    shown, loose, given = level.picture[rows, columns], free[rows, columns], labels[rows, columns]
+
+    def look(number: int) -> None:
+        fit = found[number]
         copies[number], usable, enlarged = views.moved(fit.move, rows, columns)
-        wrong = _length(copies[number] - level.picture[rows, columns]) / spread
+        wrong = _length(copies[number] - shown) / spread
         poor = BLUR * np.log2(np.maximum(enlarged, 1)) + UNLIKE * fit.distortion
         unary[number] = np.where(within, np.where(usable, poor, NONE), np.where(usable, wrong, LACKING))
-        unary[number] += np.where(free[rows, columns] | (labels[rows, columns] == number), 0, 10 * NONE)
+        unary[number] += np.where(loose | (given == number), 0, 10 * NONE)
+
+    for_each(look, len(found), float(LOOK * rows.size), work)
     count = np.full(labels.shape, -1)
     count[region] = np.arange(rows.size)
     first, second = _neighbours(count)
@@ -182,7 +200,6 @@ def _cut(level: Level, views: Views, found: Sequence[Fit], labels: Array, settle
         return costs
 
     result = labels.copy()
-    given = labels[region]
     started = bool((given >= 0).all())
     start = given if started else np.argmin(unary, axis=0)
     result[region] = expand(unary, first, second, seam, start, 1 if started else SWEEPS, work)

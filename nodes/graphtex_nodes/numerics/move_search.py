@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics.parallel import Work
+from graphtex_nodes.numerics.parallel import Work, for_each
 from graphtex_nodes.numerics.plane_moves import Move, Slope
 
 Array = NDArray[Any]
@@ -32,6 +32,8 @@ OUTSIDE = -(1 << 20)
 """In place of a shift that leads out of the picture."""
 SEEN = 0.95
 """Share of the known pixels around an anchor for which a move must have a source."""
+STEPS = 500
+"""Elementary steps for each pixel of a sheet that finding the moves of an anchor takes: ten transforms."""
 SHORTEST = 3
 """Pixels: moves shorter than this only smear the border."""
 
@@ -181,13 +183,14 @@ def fits(
     usable, squares = transform(sheet.usable), transform((colours**2).sum(axis=0))
     spectra = [transform(channel) for channel in colours]
     logs = None if log_scale is None else transform(np.where(sheet.usable, log_scale, 0))
-    found: list[Fit] = []
-    for number, (anchor, radius) in enumerate(places):
-        work.check()
+    found: list[list[Fit]] = [[] for _ in places]
+
+    def search(number: int) -> None:
+        anchor, radius = places[number]
         seen, hidden = anchor & sheet.known, anchor & sheet.hole
         count, missing = int(seen.sum()), int(hidden.sum())
         if count < FEWEST:
-            continue
+            return
         down, right = (_shifts(np.asarray(anchor.any(axis=1 - axis)), shape[axis]) for axis in (0, 1))
         down, right = down[:, None], right[None]
         mask, wanted = np.conj(transform(seen)), np.moveaxis(np.where(seen[..., None], sheet.colours, 0), -1, 0)
@@ -212,6 +215,8 @@ def fits(
             if not np.isfinite(cost[at]):
                 break
             move = Move(slope, int(down[at[0], 0]), int(right[0, at[1]]))
-            found.append(Fit(float(cost[at]), move, number, row, column, radius))
+            found[number].append(Fit(float(cost[at]), move, number, row, column, radius))
             cost[(abs(down - move.down) <= APART) & (abs(right - move.right) <= APART)] = np.inf
-    return found
+
+    for_each(search, len(places), STEPS * float(np.prod(shape)), work)
+    return [fit for each in found for fit in each]

@@ -99,6 +99,16 @@ def for_rows(task: Callable[[int, int], object], rows: int, cost: float, work: W
         finish()
 
 
+def for_each(task: Callable[[int], object], count: int, cost: float, work: Work) -> None:
+    """Call ``task(number)`` for each number below ``count``, as :func:`for_rows` does for bands of rows."""
+
+    def band(first: int, stop: int) -> None:
+        for number in range(first, stop):
+            task(number)
+
+    for_rows(band, count, cost, work)
+
+
 @contextmanager
 def begun_rows(
     task: Callable[[int, int], object], rows: int, cost: float, work: Work, lead: float = 0.0

@@ -74,6 +74,17 @@ def test_failure_of_a_band_is_raised(threads):
         parallel.for_rows(task, 50, 1e12, Watch(threads))
 
 
+@pytest.mark.parametrize("threads", [1, 2])
+def test_each_number_once(threads):
+    seen = np.zeros(7, int)
+
+    def task(number):
+        seen[number] += number
+
+    parallel.for_each(task, 7, 1e7, Watch(threads))
+    assert seen.tolist() == list(range(7))
+
+
 def test_no_rows():
     parallel.for_rows(lambda first, stop: pytest.fail("called"), 0, 1.0, Watch(2))
 
