@@ -17,6 +17,10 @@ MOST = 6
 FITS = 0.2
 """A pattern repeats by a vector if points then lie within this share of the spacing of others, in the mean."""
 LEAST_SHARED = 4
+NEARLY_ALL, ROOM = 0.95, 1.3
+"""How much farther places where copies meet may be from all points than nearly all between points of the picture."""
+GRID = 8
+"""Places in such a distance that are looked at."""
 
 
 def spacing(points: Array, size: tuple[int, int] | None, neighbours: int) -> float:
@@ -82,7 +86,9 @@ def tiled(points: Array, size: tuple[int, int], unit: float, low: Array, high: A
     """The pattern of a picture (height, width) carried on over the box from ``low`` to ``high``, (n, 2).
 
     Within its picture it stays as it is; beyond, it repeats by two vectors at which it agrees with itself, or else by
-    the sides of its picture, less what its margins are wider than they would be between neighbours.
+    the sides of its picture, less what its margins are wider than they would be between neighbours. Where copies then
+    leave more room than there is anywhere between points of the picture, since elements that its border cuts were not
+    found, points are put in; not where a picture has margins that are as wide as distances between points.
     """
     edge = np.array(size[::-1]) - 0.5
     kept = points[((points >= low) & (points <= high)).all(axis=1)]
@@ -103,7 +109,39 @@ def tiled(points: Array, size: tuple[int, int], unit: float, low: Array, high: A
     found = found.reshape(-1, 2)
     found = found[((found >= low) & (found <= high)).all(axis=1)]
     found = found[((found < first) | (found > last)).any(axis=1)]
-    return apart(np.concatenate([kept, found]), 0.4 * unit)
+    joined = apart(np.concatenate([kept, found]), 0.4 * unit)
+    margins = np.stack([points.min(axis=0) + 0.5, edge - points.max(axis=0)])
+    return joined if margins.max() > unit else _without_gaps(joined, ROOM * _widest(points, unit), low, high)
+
+
+def _widest(points: Array, unit: float) -> float:
+    """How far nearly all places between points, in the box around these, are from the nearest one at most."""
+    from scipy.spatial import cKDTree
+
+    places = _grid(points.min(axis=0), points.max(axis=0), unit / GRID)
+    return float(np.quantile(np.asarray(cKDTree(points).query(places)[0]), NEARLY_ALL))
+
+
+def _without_gaps(points: Array, widest: float, low: Array, high: Array) -> Array:
+    """The points, and one in each place of a box that is farther than `widest` from all, the farthest first."""
+    from scipy.spatial import cKDTree
+
+    if len(points) == 0 or (high - low).min() <= 2 * widest:
+        return points
+    places = _grid(low + widest, high - widest, widest / GRID)  # beyond the box there may be others
+    away = np.asarray(cKDTree(points).query(places)[0])
+    added = []
+    while away.max() > widest:
+        added.append(places[away.argmax()])
+        away = np.minimum(away, np.hypot(*(places - added[-1]).T))
+    return np.concatenate([points, added]) if added else points
+
+
+def _grid(low: Array, high: Array, step: float) -> Array:
+    """Places (n, 2) of a box, about a step apart."""
+    counts = np.maximum(np.ceil((high - low) / step), 1).astype(int) + 1
+    axes = [np.linspace(first, last, count) for first, last, count in zip(low, high, counts, strict=True)]
+    return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
 
 
 def apart(points: Array, distance: float) -> Array:

@@ -56,7 +56,7 @@ def align_distributions(
         The extension that is to be rearranged.
     arrangement
         Only its points and the size of its picture count. Where it is smaller than the window it is carried on: by
-        periods that it has itself, otherwise by the sides of its picture.
+        periods that it has itself, otherwise by the sides of its picture, and gaps between the copies are filled.
     neighbours
         The paper has 4 to 6.
     spread

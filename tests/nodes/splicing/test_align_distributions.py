@@ -95,6 +95,22 @@ def test_margins_wider_than_between_neighbours_do_not_part_the_copies():
     assert len(tiled(points, (38, 48), 10, np.zeros(2), np.array([47.0, 37.0]))) == 6  # the picture itself stays
 
 
+def test_copies_of_a_low_picture_leave_no_gap():
+    """What its border cuts is not known: copies above and below leave bands with more room than between its points."""
+    rng, points = np.random.default_rng(1), np.empty((0, 2))
+    for place in rng.uniform((9, 9), (310, 70), (2000, 2)):
+        if len(points) == 0 or np.hypot(*(points - place).T).min() > 20:
+            points = np.concatenate([points, [place]])
+    unit = spacing(points, (80, 320), 5)
+    far = tiled(points, (80, 320), unit, np.array([0.0, -100.0]), np.array([319.0, 180.0]))
+    away = {
+        name: cKDTree(far).query(np.stack(np.meshgrid(np.arange(20, 300, 3), rows), axis=-1))[0]
+        for name, rows in (("inside", np.arange(16, 64, 3)), ("beyond", np.arange(-60, 140, 3)))
+    }
+    assert away["beyond"].max() < 1.2 * away["inside"].max()
+    np.testing.assert_array_equal(far[: len(points)], points)
+
+
 def test_disjoint_elements_are_given_room():
     """Discs 16 px wide, 20 px apart, in rows whose members are half as far apart as the rows: 14 px and 28 px."""
     texture = discs(grid(20, (100, 100), 10), (100, 100), 8)
