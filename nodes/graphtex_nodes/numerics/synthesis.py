@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import takewhile
 
 import numpy as np
 
@@ -43,6 +44,8 @@ def synthesise(
     The result depends on the arguments alone, never on ``work`` and its threads.
     """
     levels = plan[0].level + 1
+    if settings.replay:
+        plan = [*plan[:1], *takewhile(lambda stage: stage.iterations, plan[1:])]
     images = pyramids(problem, levels)
     seed = int(rng.integers(2**63))
     total = sum(stage.iterations * 4.0**-stage.level for stage in plan)
@@ -52,8 +55,6 @@ def synthesise(
     frames = [_frame(problem, plan, stage) for stage in plan]
     coming = _coming(problem, settings, plan, frames, images, work)
     for number, (stage, frame) in enumerate(zip(plan, frames, strict=True)):
-        if before is not None and stage.iterations == 0 and settings.replay:
-            break
         at, windows = stage.level, coming.pop(0)()
         level = open_level(problem, settings, stage, frame, images[at], windows)
         if before is None:
