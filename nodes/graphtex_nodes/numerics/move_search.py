@@ -162,6 +162,17 @@ class Fit:
         return replace(self, distortion=steepness * length) if self.move.slope.flat else self
 
 
+@dataclass(frozen=True)
+class _Spectra:
+    """Fourier transforms of a sheet, padded to a ``shape``: what is usable, its squares, channels, and log scale."""
+
+    shape: tuple[int, int]
+    usable: Array
+    squares: Array
+    colours: list[Array]
+    logs: Array | None
+
+
 def fits(
     slope: Slope, sheet: Sheet, places: Sequence[tuple[Array, int]], log_scale: Array | None, best: int, work: Work
 ) -> list[Fit]:
@@ -172,51 +183,85 @@ def fits(
     log_scale
         log2 of the texel scale (h, w) for a flat slope: shifts should keep it. None: they need not.
     """
-    from scipy.fft import irfft2, next_fast_len, rfft2
+    from scipy.fft import next_fast_len, rfft2
 
-    shape = tuple(next_fast_len(side, real=True) for side in sheet.hole.shape)
+    height, width = (next_fast_len(side, real=True) for side in sheet.hole.shape)
 
     def transform(values: Array) -> Array:
-        return rfft2(values.astype(np.float64), shape)
+        return rfft2(values.astype(np.float64), (height, width))
 
     colours = np.moveaxis(np.where(sheet.usable[..., None], sheet.colours, 0), -1, 0)
-    usable, squares = transform(sheet.usable), transform((colours**2).sum(axis=0))
-    spectra = [transform(channel) for channel in colours]
-    logs = None if log_scale is None else transform(np.where(sheet.usable, log_scale, 0))
+    spectra = _Spectra(
+        (height, width),
+        transform(sheet.usable),
+        transform((colours**2).sum(axis=0)),
+        [transform(channel) for channel in colours],
+        None if log_scale is None else transform(np.where(sheet.usable, log_scale, 0)),
+    )
     found: list[list[Fit]] = [[] for _ in places]
 
     def search(number: int) -> None:
-        anchor, radius = places[number]
-        seen, hidden = anchor & sheet.known, anchor & sheet.hole
-        count, missing = int(seen.sum()), int(hidden.sum())
-        if count < FEWEST:
-            return
-        down, right = (_shifts(np.asarray(anchor.any(axis=1 - axis)), shape[axis]) for axis in (0, 1))
-        down, right = down[:, None], right[None]
-        mask, wanted = np.conj(transform(seen)), np.moveaxis(np.where(seen[..., None], sheet.colours, 0), -1, 0)
-        cross = sum(np.conj(transform(one)) * other for one, other in zip(wanted, spectra, strict=True))
-        here = np.maximum(irfft2(mask * usable, shape), 1)
-        own = np.conj(transform((wanted**2).sum(axis=0)))
-        cost = np.maximum(irfft2(mask * squares + own * usable - 2 * cross, shape) / here, 0)
-        covered = irfft2(np.conj(transform(hidden)) * usable, shape)
-        valid = (down != OUTSIDE) & (right != OUTSIDE) & (down**2 + right**2 >= SHORTEST**2)
-        valid &= (here > SEEN * count) & (covered > (1 - HIDDEN) * missing)
-        middle = np.argwhere(hidden).mean(axis=0) + sheet.corner
-        if logs is not None and log_scale is not None:
-            cost *= 1 + UNLIKE * abs(irfft2(mask * logs, shape) / here - log_scale[seen].mean())
-        elif not slope.flat:
-            there = 1 - slope.down * (middle[0] + down) - slope.right * (middle[1] + right)
-            enlarged = np.log2(np.maximum(there, 1e-3) / (1 - slope.down * middle[0] - slope.right * middle[1]))
-            cost *= 1 + ENLARGED * np.maximum(enlarged, 0) + REDUCED * np.maximum(-enlarged, 0)
-        row, column = (float(x) for x in slope.to_picture(*middle))
-        cost = np.where(valid, cost, np.inf)
-        for _ in range(best):
-            at = np.unravel_index(int(np.argmin(cost)), cost.shape)
-            if not np.isfinite(cost[at]):
-                break
-            move = Move(slope, int(down[at[0], 0]), int(right[0, at[1]]))
-            found[number].append(Fit(float(cost[at]), move, number, row, column, radius))
-            cost[(abs(down - move.down) <= APART) & (abs(right - move.right) <= APART)] = np.inf
+        found[number] = _best_moves(slope, sheet, spectra, number, places[number], log_scale, best)
 
-    for_each(search, len(places), STEPS * float(np.prod(shape)), work)
+    for_each(search, len(places), STEPS * float(height * width), work)
     return [fit for each in found for fit in each]
+
+
+def _conjugate(values: Array, top: int, shape: tuple[int, int]) -> Array:
+    """Conjugate transform of values in the rows from ``top`` on, 0 elsewhere: other rows need no transform."""
+    from scipy.fft import fft, rfft
+
+    spectrum = np.zeros((shape[0], shape[1] // 2 + 1), np.complex128)
+    spectrum[top : top + len(values)] = rfft(values.astype(np.float64), shape[1])
+    spectrum = fft(spectrum, axis=0, overwrite_x=True)
+    result: Array = np.conj(spectrum, out=spectrum)
+    return result
+
+
+def _best_moves(
+    slope: Slope, sheet: Sheet, spectra: _Spectra, number: int, place: tuple[Array, int], log_scale: Array | None,
+    best: int,
+) -> list[Fit]:  # fmt: skip
+    """The ``best`` moves of one anchor."""
+    from scipy.fft import irfft2
+
+    (anchor, radius), shape = place, spectra.shape
+    used = np.flatnonzero(anchor.any(axis=1))
+    top, box = int(used[0]), slice(used[0], used[-1] + 1)
+    seen, hidden = anchor[box] & sheet.known[box], anchor[box] & sheet.hole[box]
+    count, missing = int(seen.sum()), int(hidden.sum())
+    if count < FEWEST:
+        return []
+    mask, wanted = _conjugate(seen, top, shape), np.moveaxis(np.where(seen[..., None], sheet.colours[box], 0), -1, 0)
+    cost = mask * spectra.squares
+    cost += _conjugate((wanted**2).sum(axis=0), top, shape) * spectra.usable
+    cross = np.zeros_like(cost)
+    for one, other in zip(wanted, spectra.colours, strict=True):
+        cross += _conjugate(one, top, shape) * other
+    cost -= 2 * cross
+    here = np.maximum(irfft2(mask * spectra.usable, shape), 1)
+    cost = np.maximum(irfft2(cost, shape) / here, 0)
+    covered = irfft2(_conjugate(hidden, top, shape) * spectra.usable, shape)
+    down, right = (_shifts(np.asarray(anchor.any(axis=1 - axis)), shape[axis]) for axis in (0, 1))
+    valid = np.outer(down != OUTSIDE, right != OUTSIDE)
+    valid &= (here > SEEN * count) & (covered > (1 - HIDDEN) * missing)
+    short = np.ix_(abs(down) < SHORTEST, abs(right) < SHORTEST)
+    valid[short] &= down[short[0]] ** 2 + right[short[1]] ** 2 >= SHORTEST**2
+    middle = (np.argwhere(hidden) + np.array([top, 0])).mean(axis=0) + sheet.corner
+    if spectra.logs is not None and log_scale is not None:
+        cost *= 1 + UNLIKE * abs(irfft2(mask * spectra.logs, shape) / here - log_scale[box][seen].mean())
+    elif not slope.flat:
+        there = 1 - slope.down * (middle[0] + down[:, None]) - slope.right * (middle[1] + right)
+        enlarged = np.log2(np.maximum(there, 1e-3) / (1 - slope.down * middle[0] - slope.right * middle[1]))
+        cost *= 1 + ENLARGED * np.maximum(enlarged, 0) + REDUCED * np.maximum(-enlarged, 0)
+    row, column = (float(x) for x in slope.to_picture(*middle))
+    cost[~valid] = np.inf
+    found: list[Fit] = []
+    for _ in range(best):
+        at = np.unravel_index(int(np.argmin(cost)), cost.shape)
+        if not np.isfinite(cost[at]):
+            break
+        move = Move(slope, int(down[at[0]]), int(right[at[1]]))
+        found.append(Fit(float(cost[at]), move, number, row, column, radius))
+        cost[np.ix_(abs(down - move.down) <= APART, abs(right - move.right) <= APART)] = np.inf
+    return found
