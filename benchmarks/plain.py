@@ -1,8 +1,8 @@
 """Plain synthesis (no scales) beside other tools, judged from the pictures alone.
 
 Coherence tells of long copies where an exemplar's parts differ. Where elements are alike and lie apart on plain ground
-it is high for any tool that keeps them whole: the two halves of a picture of equal discs, of which neither is a copy,
-have a coherence of 0.98.
+it is high for any tool that keeps them whole. The exemplar's own coherence is printed beside it: that of one half of it
+as made from the other, of which neither is a copy. It changes no bound.
 """
 
 import statistics
@@ -64,7 +64,7 @@ def figures(pictures: Path | None, textures: Path | None = None) -> Iterator[Fig
         )
         for tool, run in tools.items():
             theirs[tool].append(typical(judged(run(exemplar, (OUTPUT, OUTPUT), s), exemplar) for s in SEEDS))
-        yield from compared(name, ours[-1], [scores[-1] for scores in theirs.values()])
+        yield from compared(name, own_coherence(exemplar), ours[-1], [scores[-1] for scores in theirs.values()])
         if pictures is not None:
             pictures.mkdir(parents=True, exist_ok=True)
             others = {tool: scores[-1].image for tool, scores in theirs.items()}
@@ -74,13 +74,14 @@ def figures(pictures: Path | None, textures: Path | None = None) -> Iterator[Fig
     yield from summary(ours, theirs)
 
 
-def compared(name: str, ours: Score, others: Sequence[Score]) -> Iterator[Figure]:
-    """Figures of one texture, beside the tool that comes closest."""
+def compared(name: str, own: float, ours: Score, others: Sequence[Score]) -> Iterator[Figure]:
+    """Figures of one texture with its own coherence, beside the tool that comes closest."""
     best = min(others, key=lambda score: score.distance, default=None)
     reference = None if best is None else 100 * best.distance
     bound = "" if reference is None else f"<= {reference:.4g}"
     yield Figure(f"{name}: patch distance x 100", 100 * ours.distance, bound, reference)
     yield Figure(f"{name}: coherence", ours.coherence, f"<= {COHERENCE}", None if best is None else best.coherence)
+    yield Figure(f"{name}: coherence of the exemplar's halves", own)
     yield Figure(f"{name}: coverage", ours.coverage, f">= {COVERAGE}", None if best is None else best.coverage)
 
 
@@ -90,6 +91,12 @@ def summary(ours: Sequence[Score], theirs: Mapping[str, Sequence[Score]]) -> Ite
     for tool, scores in theirs.items():
         wins = sum(own.distance < other.distance for own, other in zip(ours, scores, strict=True))
         yield Figure(f"share of {count} textures closer to the exemplar than {tool}'s", wins / count, f">= {WINS:.3f}")
+        both = sum(
+            own.distance < other.distance and own.coherence <= COHERENCE
+            for own, other in zip(ours, scores, strict=True)
+        )
+        label = f"share of textures closer than {tool}'s with coherence <= {COHERENCE}"
+        yield Figure(label, both / count, f">= {WINS:.3f}")
     everyone = {"graphtex": ours, **theirs}
     for tool, scores in everyone.items():
         bounded = tool == "graphtex"
@@ -107,6 +114,12 @@ def judged(image: Array, exemplar: Array) -> Score:
     """Measure a result by nothing but the pictures."""
     found = likeness(image, exemplar)
     return Score(image, patch_distance(image, exemplar), found.coherence, found.coverage, found.coverage)
+
+
+def own_coherence(exemplar: Array) -> float:
+    """Highest coherence of one half of an exemplar, left, right, upper or lower, as made from the other one."""
+    pairs = [np.array_split(exemplar, 2, axis) for axis in (0, 1)]
+    return max(likeness(*each).coherence for one, other in pairs for each in ((one, other), (other, one)))
 
 
 def typical(scores: Iterable[Score]) -> Score:
