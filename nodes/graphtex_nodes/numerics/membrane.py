@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics import seam_kernels
 from graphtex_nodes.numerics.parallel import Work, for_rows
 
 Array = NDArray[np.float32]
@@ -36,13 +35,15 @@ def missing(image: Array, steps: Array, variance: float, wrap: tuple[bool, bool]
     variance
         Sum of the variances of the exemplar's channels.
     """
+    from graphtex_nodes.numerics import membrane_kernels
+
     height, width, channels = image.shape
     result = np.empty((channels, height, width), np.float32)
     lines, step_lines = image.reshape(height, -1), steps.reshape(2, height, -1)
     longest = np.float32(max(TORN**2 * variance, float(np.finfo(np.float32).tiny)))
 
     def band(first: int, stop: int) -> None:
-        seam_kernels.missing_steps(lines, step_lines, longest, *map(np.uint8, wrap), result, first, stop)
+        membrane_kernels.missing_steps(lines, step_lines, longest, *map(np.uint8, wrap), result, first, stop)
 
     for_rows(band, height, width * 8 * channels, work)
     return result
@@ -69,6 +70,8 @@ def level(
     factor
         Pixels of this image that make one of the synthesis.
     """
+    from graphtex_nodes.numerics import membrane_kernels
+
     if not lack.any():
         return
     height, width, channels = image.shape
@@ -79,7 +82,7 @@ def level(
             lack[channel] = screened(lack[channel], MUTUAL_SCREEN / factor**2, wrap)
 
     def corrected(first: int, stop: int) -> None:
-        seam_kernels.correct(lines, lack, *limits, first, stop)
+        membrane_kernels.correct(lines, lack, *limits, first, stop)
 
     for_rows(solved, channels, height * width * 40, work)
     for_rows(corrected, height, width * 2 * channels, work)

@@ -92,5 +92,6 @@ SYNTHESIS_KERNELS = (
     "cut_kernels",
     "piece_kernels",
     "seam_kernels",
+    "membrane_kernels",
 )
 """Files of the kernels that a synthesis from windows needs."""

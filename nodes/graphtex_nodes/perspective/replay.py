@@ -80,7 +80,7 @@ def replay(
     """
     _require_maps(source, maps, factor)
     if vote == "blend":
-        announce(ctx, "seam_kernels")
+        announce(ctx, "membrane_kernels")
     for number, picture in enumerate(maps):
         require_stack(f"maps[{number}]", picture, kinds, ctx.warn)
     free = np.ones(source.shape[:2], bool) if known is None else ~known
