@@ -103,6 +103,11 @@ class Problem:
         return self.hold and self.target is not None
 
     @property
+    def may(self) -> Flags:
+        """Which pixels of the exemplar (h, w) may be shown."""
+        return np.ones(self.exemplar.shape[:2], bool) if self.usable is None else self.usable
+
+    @property
     def voted(self) -> int:
         """How many channels the vote fills."""
         return int((self.exemplar if self.led else self.channels).shape[2])

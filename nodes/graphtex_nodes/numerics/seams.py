@@ -58,7 +58,7 @@ def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[
     """
     colours = problem.exemplar.shape[2]
     exemplar = np.ascontiguousarray(problem.channels)
-    may = np.ones(exemplar.shape[:2], bool) if problem.usable is None else problem.usable
+    may = problem.may
     usable = np.ascontiguousarray(may).view(np.uint8)
     variance = sum(float(np.var(values[may], dtype=np.float64)) for values in np.moveaxis(problem.exemplar, -1, 0))
     variance = variance or 1.0
@@ -108,7 +108,6 @@ def _bent(
     ``own`` are the pieces' own differences (2, h, w, c); those beside known pixels are overwritten.
     """
     known = problem.known
-    may = np.ones(problem.exemplar.shape[:2], bool) if problem.usable is None else problem.usable
     if known is not None:
         for axis, steps in enumerate(own):
             beside = known | np.roll(known, -1, axis)
@@ -117,7 +116,8 @@ def _bent(
     if bendable is not None:
         lack[~bendable] = 0
     if known is not None:
-        return membrane.join_known(image, lack, source, problem.exemplar, may, problem.wrap, work)
+        return membrane.join_known(image, lack, source, problem.exemplar, problem.may, problem.wrap, work)
+    may = problem.may
     seen = [values[may] for values in np.moveaxis(problem.exemplar, -1, 0)]
     limits = np.array([each.min() for each in seen]), np.array([each.max() for each in seen])
     membrane.level(image, lack, limits, problem.wrap, work)

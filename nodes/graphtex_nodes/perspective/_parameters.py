@@ -13,6 +13,13 @@ Sides = Annotated[
     Literal["none", "both", "x", "y"],
     Field(description="sides over which the output continues: x the left and right ones, y the upper and lower ones"),
 ]
+
+
+def around(sides: str) -> tuple[bool, bool]:
+    """Whether an output continues along its rows (y) and along its columns (x)."""
+    return sides in ("y", "both"), sides in ("x", "both")
+
+
 Levels = Annotated[int, Field(ge=0, le=12, description="levels of the pyramid; 0 chooses them from the exemplar")]
 Windows = Annotated[
     tuple[Annotated[int, Field(ge=2, le=64)], ...],

@@ -32,6 +32,7 @@ from graphtex_nodes.perspective._parameters import (
     Vote,
     Weights,
     Windows,
+    around,
 )
 
 
@@ -243,7 +244,7 @@ def optimize(
         usable=sheet.usable,
         start=start,
         known=known,
-        wrap=(tileable in ("y", "both"), tileable in ("x", "both")),
+        wrap=around(tileable),
         weights=weights,
     )
     effort = EFFORT[quality]

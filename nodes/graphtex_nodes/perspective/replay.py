@@ -10,7 +10,7 @@ from graphtex import QUIET, Axes, Context, Image, Mask, SourceMap, node
 from graphtex_nodes.numerics.jit import announce
 from graphtex_nodes.numerics.materials import MapKind, bendable, renormalised, require_stack
 from graphtex_nodes.numerics.sources import Look
-from graphtex_nodes.perspective._parameters import Sides
+from graphtex_nodes.perspective._parameters import Sides, around
 from graphtex_nodes.perspective._shown import Shown
 
 Array = NDArray[Any]
@@ -84,8 +84,7 @@ def replay(
     for number, picture in enumerate(maps):
         require_stack(f"maps[{number}]", picture, kinds, ctx.warn)
     free = np.ones(source.shape[:2], bool) if known is None else ~known
-    wrap = (tileable in ("y", "both"), tileable in ("x", "both"))
-    shown = Shown(source, [Look(picture, kinds) for picture in maps], factor, free, wrap)
+    shown = Shown(source, [Look(picture, kinds) for picture in maps], factor, free, around(tileable))
     height, width = shown.size
     result = np.empty((height, width, maps[0].shape[2]), np.float32)
     rows = max(1, BAND // width)
