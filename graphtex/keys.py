@@ -34,10 +34,13 @@ class Keys:
     ----------
     warn
         Told of code that cannot be read: its nodes run without the cache.
+    cache
+        Where what was found in the nodes' code is kept for later runs.
     """
 
-    def __init__(self, warn: Callable[[str], None] = lambda text: None) -> None:
+    def __init__(self, warn: Callable[[str], None] = lambda text: None, cache: Cache | None = None) -> None:
         self._warn = warn
+        self._parsed = None if cache is None else cache.parsed
         self._files: dict[Path, tuple[str, _Stamp]] = {}
         self._code: dict[Node[Any, Any], CodeDigest | None] = {}
 
@@ -65,7 +68,7 @@ class Keys:
     def _code_of(self, node: Node[Any, Any]) -> CodeDigest | None:
         if node not in self._code:
             try:
-                self._code[node] = code_digest(node.function)
+                self._code[node] = code_digest(node.function, self._parsed)
             except NoSource:
                 self._code[node] = None
             except BadSource as error:
@@ -137,7 +140,7 @@ def forecast(plan: Plan, cache: Cache | None) -> tuple[dict[str, Forecast], dict
     """
     if cache is None:
         return dict.fromkeys(plan.tasks, "runs"), {}
-    keys = Keys()
+    keys = Keys(cache=cache)
     held = given_values(plan, digests=True)
     told: dict[str, Forecast] = {}
     known: dict[str, KeyParts] = {}

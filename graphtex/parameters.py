@@ -52,16 +52,13 @@ def parameters_model(owner: str, parameters: Iterable[inspect.Parameter], hints:
         required[name] = (hint, ...)
         if default is not inspect.Parameter.empty:
             defaults[name] = default
-    strict = _made(owner, required)
-    if not defaults:
-        return _with_schema(owner, strict)
     fields = dict(required)
-    for name, default in defaults.items():
-        checked, problems = validate(strict, {name: default}, unknown=required.keys() - {name})
+    if defaults:
+        checked, problems = validate(_made(owner, {name: required[name] for name in defaults}), defaults)
         if checked is None:
-            text = f"{owner}: the default of {name} does not fit its own type: {problems[0][1]}"
-            raise DeclarationError(text)
-        fields[name] = (required[name][0], getattr(checked, name))
+            place, message = problems[0]
+            raise DeclarationError(f"{owner}: the default of {place[0]} does not fit its own type: {message}")
+        fields |= {name: (required[name][0], getattr(checked, name)) for name in defaults}
     return _with_schema(owner, _made(owner, fields))
 
 

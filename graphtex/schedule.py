@@ -76,7 +76,7 @@ class _Run:
         self.finished = Finished(held=holding.held)
         self.aborted = False
         self._emit, self._emit_lock = emit, threading.Lock()
-        self.keys = Keys(lambda text: self.warn("", text))
+        self.keys = Keys(lambda text: self.warn("", text), cache)
         self.order = {task: index for index, task in enumerate(plan.tasks)}
         self.waiting = {task: plan.dag.in_degree(task) for task in plan.tasks}
         self.ready: list[tuple[int, str]] = []  # heap of tasks whose inputs are there, by their place in the plan

@@ -9,7 +9,7 @@ module is executed.
 graphtex itself and other packages do not count by code; `CodeDigest.packages` names the others, for their versions.
 What static analysis cannot see: modules whose name is computed at run time, and data files.
 
-API: ``code_digest(function) -> CodeDigest``, ``module_digest(name) -> CodeDigest``.
+API: ``code_digest(function, parsed) -> CodeDigest``, ``module_digest(name, parsed) -> CodeDigest``.
 """
 
 import sys
@@ -22,6 +22,7 @@ from typing import Any
 from graphtex.cache.digest import file_digest
 from graphtex.cache.errors import BadSource, NoSource
 from graphtex.cache.key import CodeDigest
+from graphtex.cache.parsed import ParsedFiles
 from graphtex.cache.sources import Source, Sources, find_sources, sources_of
 from graphtex.cache.syntax import Import, Syntax, read_syntax
 
@@ -33,11 +34,16 @@ _loaded: dict[str, tuple[object, object, Syntax]] = {}
 _lock = threading.Lock()
 
 
-def code_digest(function: Callable[..., Any]) -> CodeDigest:
+def code_digest(function: Callable[..., Any], parsed: ParsedFiles | None = None) -> CodeDigest:
     """Return the digest of all own code that a function may run.
 
     The files as they are now count, except for modules that this process has loaded: these count as they were when
     first seen, until they are reloaded, because the code in memory does not change with the file.
+
+    Parameters
+    ----------
+    parsed
+        Where other processes have left what they found in the same files, which saves parsing them.
 
     Raises
     ------
@@ -46,19 +52,19 @@ def code_digest(function: Callable[..., Any]) -> CodeDigest:
     BadSource
         If a file cannot be read or parsed; with file, line and the reason.
     """
-    return _digest(sources_of(function))
+    return _digest(sources_of(function), parsed)
 
 
-def module_digest(name: str) -> CodeDigest:
+def module_digest(name: str, parsed: ParsedFiles | None = None) -> CodeDigest:
     """Return the digest of a module by its name, as `code_digest` does for a function that is defined in it."""
     sources = find_sources(name)
     if sources is None:
         raise NoSource(f"module {name} has no source file")
-    return _digest(sources)
+    return _digest(sources, parsed)
 
 
-def _digest(sources: Sources) -> CodeDigest:
-    resolver = _Resolver(sources)
+def _digest(sources: Sources, parsed: ParsedFiles | None) -> CodeDigest:
+    resolver = _Resolver(sources, parsed)
     digests: dict[str, str] = {}
     ahead = [sources.entry.name]
     while ahead:
@@ -89,7 +95,7 @@ def _binary_digest(path: Path) -> str:
         raise BadSource(f"{path}: cannot be read: {error.strerror or error}") from error
 
 
-def _syntax(source: Source) -> Syntax:
+def _syntax(source: Source, parsed: ParsedFiles | None) -> Syntax:
     """Parse a module, or take what was found before if neither file nor loaded module have changed."""
     assert source.path is not None
     loaded = sys.modules.get(source.name)
@@ -100,13 +106,13 @@ def _syntax(source: Source) -> Syntax:
             known = _loaded.get(source.name)
             if known is not None and known[0] is loaded and known[1] is loaded.__spec__:  # a reload makes a new spec
                 return known[2]
-        syntax = _parse(source, source.path)
+        syntax = _parse(source, source.path, parsed)
         if loaded is not None:
             _loaded[source.name] = loaded, loaded.__spec__, syntax
         return syntax
 
 
-def _parse(source: Source, path: Path) -> Syntax:
+def _parse(source: Source, path: Path, parsed: ParsedFiles | None) -> Syntax:
     try:
         if source.text is not None:
             return read_syntax(source.text, str(path), source.package)
@@ -114,7 +120,11 @@ def _parse(source: Source, path: Path) -> Syntax:
         stamp = status.st_mtime_ns, status.st_size
         known = _parsed.get((source.name, path))
         if known is None or known[0] != stamp:
-            known = stamp, read_syntax(path.read_bytes(), str(path), source.package)
+            text = path.read_bytes()
+            if parsed is None:
+                known = stamp, read_syntax(text, str(path), source.package)
+            else:
+                known = stamp, parsed.read(source.name, text, str(path), source.package)
             _parsed[source.name, path] = known
         return known[1]
     except (SyntaxError, ValueError) as error:
@@ -128,8 +138,9 @@ def _parse(source: Source, path: Path) -> Syntax:
 class _Resolver:
     """Finds the own modules that imports lead to; collects the top-level names of others. For one digest."""
 
-    def __init__(self, sources: Sources) -> None:
+    def __init__(self, sources: Sources, parsed: ParsedFiles | None) -> None:
         self._sources = sources
+        self._parsed = parsed
         self.others: set[str] = set()
         self._syntax: dict[str, Syntax] = {}
         self._exports: dict[str, frozenset[str]] = {}
@@ -138,7 +149,7 @@ class _Resolver:
     def syntax(self, source: Source) -> Syntax:
         """Return what a module says; the same all through this digest."""
         if source.name not in self._syntax:
-            self._syntax[source.name] = _syntax(source)
+            self._syntax[source.name] = _syntax(source, self._parsed)
         return self._syntax[source.name]
 
     def dependencies(self, syntax: Syntax) -> set[str]:

@@ -14,6 +14,7 @@ from graphtex.cache.files import now_on, remove, touch, write_atomically
 from graphtex.cache.index import Index, Output, Record
 from graphtex.cache.key import KeyParts
 from graphtex.cache.leases import Lease, live_runs
+from graphtex.cache.parsed import ParsedFiles
 from graphtex.cache.store import Resolver, Store, struct_class
 
 DIRECTORY_VARIABLE = "GRAPHTEX_CACHE_DIR"
@@ -92,6 +93,7 @@ class Cache:
         self._resolve = resolve
         self._store = Store(self.directory, resolve)
         self._index = Index(self.directory)
+        self.parsed = ParsedFiles(self.directory)
         self._lock = threading.Lock()
         self._checked = 0
 
@@ -167,10 +169,12 @@ class Cache:
 
         What live runs have touched stays. Raises `CacheUnavailable` if files cannot be removed.
         """
+        self.parsed.prune()
         return prune(self._store, self._index, self.size_limit if limit is None else parse_size(limit))
 
     def clear(self) -> Pruned:
-        """Remove everything that no live run uses, and the recorded runs. Other files in the folder stay."""
+        """Remove everything that no live run uses, the recorded runs and parsed files. Other files in it stay."""
+        self.parsed.prune(kept=0)
         for path in self._index.run_paths():
             remove(path)
         return prune(self._store, self._index, 0)
