@@ -1,5 +1,6 @@
 """``graphtex run``: run a graph and write its outputs."""
 
+import gc
 import os
 import sys
 from collections.abc import Mapping
@@ -188,6 +189,9 @@ def _made_of(plan: "Plan", task: str) -> str:
 def _run(job: Job, display: "Display", cancel: "threading.Event") -> "RunResult":
     from graphtex.run import run as run_graph
 
+    if not gc.isenabled():  # see `graphtex.__main__`
+        gc.freeze()
+        gc.enable()
     return run_graph(
         job.graph,
         job.values,

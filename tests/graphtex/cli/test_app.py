@@ -93,3 +93,13 @@ def test_help_imports_nothing_heavy_and_a_list_of_nodes_no_kernels(process: Proc
     assert process.python(code.format(word="--help", heavy=HEAVY)).out.splitlines()[-1] == "[]"
     light = HEAVY[: HEAVY.index("numpy")]
     assert process.python(code.format(word="nodes", heavy=light)).out.splitlines()[-1] == "[]"
+
+
+def test_garbage_is_collected_while_nodes_run(process: Process, small: Path) -> None:
+    """Loading does without the collector; a run, which may be long, has it, but for what loading made."""
+    code = (
+        "import gc, sys; sys.argv = ['graphtex', *{words!r}]; from graphtex.__main__ import main; main();"
+        "print(gc.isenabled(), gc.get_freeze_count() > 1000)"
+    )
+    assert process.python(code.format(words=["check", str(small)])).out.splitlines()[-1] == "False False"
+    assert process.python(code.format(words=["run", str(small)])).out.splitlines()[-1] == "True True"
