@@ -94,6 +94,10 @@ class ArrayType(SocketType):
         return f"; convert it: x.astype({self.dtype!r})" if got.kind in "biu" and self.dtype != "bool" else ""
 
     def _check_range(self, array: NDArray[Any], name: str) -> None:
+        if self.low is None and self.high is None:
+            with np.errstate(all="ignore"):  # a sum that is finite tells as much as both ends, and reads half as much
+                if math.isfinite(array.sum()):
+                    return
         low, high = array.min().item(), array.max().item()
         if not (math.isfinite(low) and math.isfinite(high)):
             bad = int(array.size - np.count_nonzero(np.isfinite(array)))

@@ -44,6 +44,7 @@ def test_what_loses_nothing_is_cast(hint, given, dtype):
         (Image, np.zeros((2, 3, 17), np.float32), "x: axis c of Image has size 1 to 16, got shape (2, 3, 17)"),
         (Image, np.zeros((0, 3, 1), np.float32), "x: axis h of Image has size 1 to 1048576, got shape (0, 3, 1)"),
         (Image, np.full((2, 2, 1), np.nan), "x: Image holds finite numbers, got 4 NaN or infinite of 4"),
+        (Image, np.array([[[np.inf], [-np.inf], [1]]]), "x: Image holds finite numbers, got 2 NaN or infinite of 3"),
         (Image, np.array([[[0], [1e300]]]), "x: Image holds finite numbers, got 1 NaN or infinite of 2"),
         (Image, [[0.0]], "x: expected Image: float32 (h, w, c), got list"),
         (Image, np.ma.zeros((2, 2, 1), np.float32), "x: expected Image: float32 (h, w, c), got MaskedArray; fill it first"),
@@ -61,6 +62,11 @@ def test_messages_name_the_socket_what_was_expected_and_what_was_got(hint, given
     with pytest.raises(ValueError) as caught:
         check(hint, given)
     assert str(caught.value) == told
+
+
+def test_finite_numbers_may_have_a_sum_that_is_not():
+    given = np.full((2, 2, 1), 3e38, np.float32)
+    np.testing.assert_array_equal(check(Image, given), given)
 
 
 def test_checked_arrays_are_read_only_and_contiguous_and_the_given_one_stays_as_it_was():

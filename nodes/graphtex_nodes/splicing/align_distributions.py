@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Context, Elements, Number, Texture, node
+from graphtex_nodes.splicing import _pattern
+from graphtex_nodes.splicing._tiling import Tiling
 from graphtex_nodes.splicing.values import Extension
 
 Array = NDArray[Any]
@@ -79,7 +81,6 @@ def align_distributions(
     paper lays centroids on each other. A lattice is then half a cell off as often as not; here the middle is moved by
     the median displacement of a first assignment.
     """
-    from graphtex_nodes.splicing import _pattern
     from graphtex_nodes.splicing.extend_texture import checked
     from graphtex_nodes.splicing.texton_labels import texton_reach
 
@@ -103,10 +104,11 @@ def align_distributions(
     if orientation == "radon":
         turns += _turns(elements, arrangement, wanted, own)
     margin = min(texton_reach(elements.labels, elements.points), wanted) + 1
+    tiling = Tiling(arrangement.points, size, own)
     tried = []
     for turn in turns:
         ctx.check()
-        places = _laid(elements, arrangement, scale, turn, own, wanted)
+        places = _laid(elements, tiling, scale, turn, wanted)
         cost, settled = _settled(elements, places, margin)
         tried.append((cost if turn else (1 - GAIN) * cost, settled, turn))
     _, places, turn = min(tried, key=lambda entry: entry[0])
@@ -128,30 +130,22 @@ def _room(elements: Extension, distances: Array) -> float:
 
 def _turns(elements: Extension, arrangement: Texture, wanted: float, own: float) -> list[float]:
     """Angles (degrees, clockwise, within 90) that lay a peak of the arrangement on the elements' highest."""
-    from graphtex_nodes.splicing._pattern import orientations
-
-    here, there = orientations(elements.points, wanted), orientations(arrangement.points, own)
+    here = _pattern.orientations(elements.points, wanted)
+    there = _pattern.orientations(arrangement.points, own)
     if len(here) == 0:
         return []
     return [float((here[0] - angle + 90) % 180 - 90) for angle in there]
 
 
-def _laid(
-    elements: Extension, arrangement: Texture, scale: float, turn: float, own: float, margin: float
-) -> Array:  # fmt: skip
+def _laid(elements: Extension, tiling: Tiling, scale: float, turn: float, margin: float) -> Array:
     """Places in and around the window."""
-    from graphtex_nodes.splicing._pattern import tiled
-
     size = np.array([elements.width, elements.height], np.float64)
-    picture = np.array(arrangement.image.shape[1::-1], np.float64)
     cos, sin = np.cos(np.radians(turn)), np.sin(np.radians(turn))
     rotation = np.array([[cos, sin], [-sin, cos]])  # of row vectors, clockwise with y down
     reach = size / 2 + 2 * margin
     corners = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]]) * reach @ rotation.T / scale
-    middle = (picture - 1) / 2
-    points = tiled(
-        arrangement.points, arrangement.image.shape[:2], own, middle + corners.min(axis=0), middle + corners.max(axis=0)
-    )
+    middle = (np.array(tiling.size[::-1], np.float64) - 1) / 2
+    points = tiling.over(middle + corners.min(axis=0), middle + corners.max(axis=0))
     places: Array = (points - middle) * scale @ rotation + (size - 1) / 2
     return places
 

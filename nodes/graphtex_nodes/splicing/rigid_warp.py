@@ -73,10 +73,10 @@ def solve(factor: Factor, right_side: Array) -> Array:
     """Solution (n, m) of the factorised system for m right sides."""
     from graphtex_nodes.splicing import warp_kernels
 
-    permuted = np.ascontiguousarray(right_side[factor.order])
+    permuted = np.ascontiguousarray(right_side[factor.order].T)
     warp_kernels.solve(factor.starts, factor.rows, factor.values, factor.pivots, permuted)
-    result = np.empty_like(permuted)
-    result[factor.order] = permuted
+    result = np.empty_like(right_side)
+    result[factor.order] = permuted.T
     return result
 
 

@@ -7,20 +7,67 @@ import numpy as np
 from graphtex_nodes.numerics.jit import kernel
 
 
-@kernel("const i4[:], const i4[:], const f8[:], const f8[:], f8[:,:]")
+@kernel("const i4[:], const i4[:], const f8[:], const f8[:], f8[:,:]", fastmath={"contract", "reassoc", "nsz"})
 def solve(starts, rows, values, pivots, x):
-    """Solve L D L' x = b in place for all columns of ``x`` (n, m)."""
-    count, sides = x.shape
+    """Solve L D L' x = b in place for all rows of ``x`` (m, n).
+
+    Columns in a row that have the same entries below the last of them, as a factor has many of, are taken together:
+    what they add to these entries, or read of them, is gathered into one run of numbers first.
+    """
+    sides, count = x.shape
+    ends = np.empty(count, np.int32)
+    blocks = 0
+    longest = 0
     for j in range(count):
-        for k in range(starts[j] + 1, starts[j + 1]):
-            for side in range(sides):
-                x[rows[k], side] -= values[k] * x[j, side]
-    for j in range(count - 1, -1, -1):
+        own = rows[starts[j] + 1 : starts[j + 1]]
+        longest = max(longest, len(own))
+        same = j + 1 < count and len(own) == starts[j + 2] - starts[j + 1]
+        if same:
+            beyond = rows[starts[j + 1] : starts[j + 2]]
+            different = 0
+            for k in range(len(own)):
+                different += own[k] != beyond[k]
+            same = different == 0
+        if not same:
+            ends[blocks] = j + 1
+            blocks += 1
+    run = np.empty(longest)
+    for block in range(blocks):
+        first = ends[block - 1] if block > 0 else 0
+        stop = ends[block]
+        below = rows[starts[stop - 1] + 1 : starts[stop]]
+        added = run[: len(below)]
         for side in range(sides):
-            total = x[j, side] / pivots[j]
-            for k in range(starts[j] + 1, starts[j + 1]):
-                total -= values[k] * x[rows[k], side]
-            x[j, side] = total
+            solution = x[side]
+            added[:] = 0.0
+            for j in range(first, stop):
+                value = solution[j]
+                start = starts[j] + 1
+                for i in range(j + 1, stop):
+                    solution[i] -= values[start + i - j - 1] * value
+                column = values[start + stop - j - 1 : starts[j + 1]]
+                for k in range(len(added)):
+                    added[k] += column[k] * value
+            for k in range(len(added)):
+                solution[below[k]] -= added[k]
+    for block in range(blocks - 1, -1, -1):
+        first = ends[block - 1] if block > 0 else 0
+        stop = ends[block]
+        below = rows[starts[stop - 1] + 1 : starts[stop]]
+        known = run[: len(below)]
+        for side in range(sides):
+            solution = x[side]
+            for k in range(len(known)):
+                known[k] = solution[below[k]]
+            for j in range(stop - 1, first - 1, -1):
+                total = 0.0
+                start = starts[j] + 1
+                for i in range(j + 1, stop):
+                    total += values[start + i - j - 1] * solution[i]
+                column = values[start + stop - j - 1 : starts[j + 1]]
+                for k in range(len(known)):
+                    total += column[k] * known[k]
+                solution[j] = solution[j] / pivots[j] - total
 
 
 @kernel("const f4[:,:,:], const u1[:,:], const f4[:,:], const i4[:,:], f8, f8, f4[:,:], f4[:,:,:], i8, i8")

@@ -4,7 +4,8 @@ from scipy.spatial import cKDTree
 
 from graphtex_nodes import align_distributions, extend_texture, sample_texture
 from graphtex_nodes.numerics.arrangements import lattice_points
-from graphtex_nodes.splicing._pattern import orientations, spacing, tiled
+from graphtex_nodes.splicing._pattern import orientations, spacing
+from graphtex_nodes.splicing._tiling import Tiling, far_places
 from tests.nodes.splicing.scenes import discs, grid
 
 
@@ -80,7 +81,7 @@ def test_places_fill_the_window_and_its_surroundings():
 def test_a_lattice_goes_on_as_a_lattice():
     """Its picture is no whole number of cells; the corner of a picture's period would show a gap."""
     points = lattice("hexagonal", 20, 0, 107.4)
-    far = tiled(points, (107, 107), 20, np.full(2, -100.0), np.full(2, 207.0))
+    far = Tiling(points, (107, 107), 20).over(np.full(2, -100.0), np.full(2, 207.0))
     inner = far[(np.abs(far - 53) < 120).all(axis=1)]
     nearest = cKDTree(far).query(inner, k=[2, 7])[0]
     np.testing.assert_allclose(nearest, 20, atol=0.3)
@@ -89,10 +90,10 @@ def test_a_lattice_goes_on_as_a_lattice():
 def test_margins_wider_than_between_neighbours_do_not_part_the_copies():
     """Six points 10 apart in the middle of a picture of 48 x 38: the next row and column are 10 away, not 28."""
     points = np.array([(x, y) for y in (14.0, 24.0) for x in (14.0, 24.0, 34.0)])
-    far = tiled(points, (38, 48), 10, np.full(2, -20.0), np.array([68.0, 58.0]))
+    far = Tiling(points, (38, 48), 10).over(np.full(2, -20.0), np.array([68.0, 58.0]))
     assert cKDTree(far).query(far, k=[2])[0].max() <= 10
     np.testing.assert_array_equal(np.unique(far[:, 0]), [-16, -6, 4, 14, 24, 34, 44, 54, 64])
-    assert len(tiled(points, (38, 48), 10, np.zeros(2), np.array([47.0, 37.0]))) == 6  # the picture itself stays
+    assert len(Tiling(points, (38, 48), 10).over(np.zeros(2), np.array([47.0, 37.0]))) == 6  # the picture itself stays
 
 
 def test_copies_of_a_low_picture_leave_no_gap():
@@ -102,13 +103,24 @@ def test_copies_of_a_low_picture_leave_no_gap():
         if len(points) == 0 or np.hypot(*(points - place).T).min() > 20:
             points = np.concatenate([points, [place]])
     unit = spacing(points, (80, 320), 5)
-    far = tiled(points, (80, 320), unit, np.array([0.0, -100.0]), np.array([319.0, 180.0]))
+    far = Tiling(points, (80, 320), unit).over(np.array([0.0, -100.0]), np.array([319.0, 180.0]))
     away = {
         name: cKDTree(far).query(np.stack(np.meshgrid(np.arange(20, 300, 3), rows), axis=-1))[0]
         for name, rows in (("inside", np.arange(16, 64, 3)), ("beyond", np.arange(-60, 140, 3)))
     }
     assert away["beyond"].max() < 1.2 * away["inside"].max()
     np.testing.assert_array_equal(far[: len(points)], points)
+
+
+@pytest.mark.parametrize("counts", [(1, 1), (2, 5), (30, 31), (33, 29)])
+def test_no_place_that_is_far_from_all_points_is_passed_over(counts):
+    rng = np.random.default_rng(counts)
+    points, (x, y) = rng.uniform(0, 30, (12, 2)), (np.linspace(0, 30, count) for count in counts)
+    places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    away = cKDTree(points).query(places)[0]
+    found, distance = far_places(points, x, y, 4.0)
+    np.testing.assert_array_equal(found[distance > 4.0], places[away > 4.0])
+    assert counts[0] < 30 or 0 < np.count_nonzero(away > 4.0) <= len(found) < len(places)
 
 
 def test_disjoint_elements_are_given_room():

@@ -3,6 +3,7 @@ import pytest
 
 from graphtex import Texture
 from graphtex_nodes import extend_texture, sample_texture
+from graphtex_nodes.splicing._fit import Fit
 from graphtex_nodes.splicing.texton_labels import texton_labels
 from tests.nodes.splicing.scenes import discs, grid
 
@@ -28,6 +29,30 @@ def test_a_periodic_texture_goes_on_with_its_period():
     np.testing.assert_array_equal(extension.image, tile[(rows - top) % 15, (columns - left) % 13])
     np.testing.assert_array_equal((extension.points - (left, top)) % (13, 15), np.full_like(extension.points, 2))
     assert len(np.unique(extension.points, axis=0)) == len(extension.points) == 6 * 6
+
+
+@pytest.mark.parametrize("size", [(17, 13), (11, 30), (40, 36)])
+@pytest.mark.parametrize("wanted", [(0, 0), (10, 12), (5, 9)])
+def test_the_best_fit_of_all(size, wanted):
+    """Against all shifts one by one, on canvases that are smaller than the piece, and larger ones."""
+    rng = np.random.default_rng(4)
+    piece, canvas = (rng.random((*shape, 2)).astype(np.float32) for shape in ((12, 15), size))
+    known = rng.random(size) < 0.7
+    canvas[~known] = 0
+    tried = {}
+    for shift in np.ndindex(12, 15):
+        top, left = wanted[0] - shift[0], wanted[1] - shift[1]
+        rows, columns = (
+            np.arange(max(0, move), min(whole, move + side))
+            for move, whole, side in zip((top, left), size, (12, 15), strict=True)
+        )
+        at = np.ix_(rows, columns)
+        apart = ((piece[np.ix_(rows - top, columns - left)] - canvas[at]) ** 2).sum(axis=2)[known[at]]
+        tried[top, left] = apart.size, known[at].size - apart.size, apart.sum() / max(apart.size, 1)
+    shared = min(0.3 * 12 * 15, max(each[0] for each in tried.values()))
+    added = 0.6 * max(each[1] for each in tried.values() if each[0] >= shared)
+    allowed = {shift: each[2] for shift, each in tried.items() if each[0] >= shared and each[1] >= added}
+    assert Fit(piece, size).best(canvas, known, wanted, 0.3, 0.6) == min(allowed, key=allowed.get)
 
 
 @pytest.mark.parametrize("name", ["oranges", "berries", "tiles", "blossoms", "leaves"])

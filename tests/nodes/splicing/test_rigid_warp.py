@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.sparse import csc_array
 
 from graphtex import Texture
 from graphtex_nodes import factor_warp, hungarian, rigid_warp
@@ -14,6 +15,7 @@ from graphtex_nodes.splicing._stiffness import (
     pixel_rows,
 )
 from graphtex_nodes.splicing.factor_warp import dissected
+from graphtex_nodes.splicing.rigid_warp import solve
 from tests.nodes.splicing.scenes import discs, elements, grid, whole
 
 
@@ -86,6 +88,19 @@ def test_the_factor_solves_the_system(tag):
         system = matrix(rigid, RULES[tag], rows, None, None, component == 1)
         solution = np.linalg.solve(system.toarray(), CONSTRAINT * (rows.T @ shift[:, component]))
         np.testing.assert_allclose(warp[..., component].ravel(), solution, atol=1e-4)
+
+
+def test_all_right_sides_at_once_are_as_each_by_itself():
+    """Also where columns of a factor share their entries in blocks, as they do below the lines that part a grid."""
+    factor = factor_warp(whole(discs(grid(10, (40, 50), 5), (40, 50), 3))).x
+    size = len(factor.order)
+    lower = csc_array((factor.values, factor.rows, factor.starts), shape=(size, size)).toarray()
+    right_side = np.random.default_rng(3).normal(0, 1, (size, 3))
+    found = solve(factor, right_side)
+    permuted = lower @ (factor.pivots[:, None] * (lower.T @ found[factor.order]))
+    np.testing.assert_allclose(permuted, right_side[factor.order], atol=1e-9)
+    for side in range(3):
+        np.testing.assert_array_equal(solve(factor, right_side[:, [side]])[:, 0], found[:, side])
 
 
 @pytest.mark.parametrize("tag", ["F=d", "F=c", "B=c"])
