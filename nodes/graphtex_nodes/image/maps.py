@@ -40,7 +40,7 @@ def stack_maps(maps: list[Image], *, kinds: Kinds, ctx: Context = QUIET) -> Imag
     ----------
     maps
         Pictures of one size. ``colour`` has 3 channels, ``colour+alpha`` 4, ``normal`` and ``normal-down`` 3,
-        ``scalar`` 1; load maps that are not colour with ``encoding: raw``.
+        ``height`` and ``scalar`` 1; load maps that are not colour with ``encoding: raw``.
     kinds
         One for each map. A normal is a unit vector encoded as (n + 1) / 2, its first component pointing to the right
         and its second one up (as OpenGL has it), or down in ``normal-down`` (as DirectX has it).
@@ -62,7 +62,7 @@ def stack_maps(maps: list[Image], *, kinds: Kinds, ctx: Context = QUIET) -> Imag
         if image.shape[:2] != maps[0].shape[:2]:
             raise ValueError(f"maps[{i}]: expected the size of maps[0], {maps[0].shape[:2]}, got {image.shape[:2]}")
         if image.shape[2] != CHANNELS[kind]:
-            hint = "; Grey makes one channel of it" if kind == "scalar" else ""
+            hint = "; Grey makes one channel of it" if CHANNELS[kind] == 1 else ""
             raise ValueError(f"maps[{i}]: {kind} has {CHANNELS[kind]} channels, got {image.shape[2]}{hint}")
         doubt_normals(f"maps[{i}]", image, [kind], ctx.warn)
     total = total_channels(kinds)

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float32]
 
-MapKind = Literal["colour", "colour+alpha", "normal", "normal-down", "scalar"]
-CHANNELS: dict[str, int] = {"colour": 3, "colour+alpha": 4, "normal": 3, "normal-down": 3, "scalar": 1}
+MapKind = Literal["colour", "colour+alpha", "normal", "normal-down", "height", "scalar"]
+CHANNELS: dict[str, int] = {"colour": 3, "colour+alpha": 4, "normal": 3, "normal-down": 3, "height": 1, "scalar": 1}
 UP = {"normal": 1.0, "normal-down": -1.0}
 """Kinds that are normals, and which way their second component points in the picture."""
 OFF = 0.1
@@ -58,12 +58,15 @@ def map_slices(kinds: Sequence[MapKind]) -> list[slice]:
     return [slice(end - CHANNELS[kind], end) for kind, end in zip(kinds, ends, strict=True)]
 
 
-def bendable(kinds: Sequence[MapKind], count: int) -> NDArray[np.bool_]:
-    """Which channels (count,) are brightness and colour, which light makes vary: all, if kinds are not told.
+def bending(kinds: Sequence[MapKind], count: int) -> NDArray[np.uint8]:
+    """How channels (count,) are bent where copied pieces meet: 0 not at all, 1 unless an outline is torn, 2 always.
 
-    Heights and normals belong together, and other scalars are measured: they are to stay as they were copied.
+    Light makes brightness and colour vary, so these may be bent; without kinds all channels count as such. Normals and
+    scalars are measured: they stay as they were copied. A height is known but for a constant, and its normals tell of
+    no cliff where two pieces meet: so it is the gradients that stay.
     """
-    return np.array([kind.startswith("colour") for kind in kinds for _ in range(CHANNELS[kind])] or [True] * count)
+    ways = {"height": 2, "colour": 1, "colour+alpha": 1}
+    return np.array([ways.get(kind, 0) for kind in kinds for _ in range(CHANNELS[kind])] or [1] * count, np.uint8)
 
 
 def unit_normals(encoded: Array) -> Array:

@@ -21,7 +21,9 @@ TORN = 0.5
 colours would run over it."""
 
 
-def missing(image: Array, steps: Array, variance: float, wrap: tuple[bool, bool], work: Work) -> Array:
+def missing(
+    image: Array, steps: Array, variance: float, bends: NDArray[np.uint8], wrap: tuple[bool, bool], work: Work
+) -> Array:
     r"""What pixels of faded pieces lack (c, h, w), summed over the steps to their neighbours.
 
     A step :math:`m_{pq}` short of the pieces' own counts :math:`\exp(-|m_{pq}|^2 / t^2)`, t from :data:`TORN`.
@@ -34,6 +36,8 @@ def missing(image: Array, steps: Array, variance: float, wrap: tuple[bool, bool]
         Differences (2, h, w, c) to the pixels below and to the right as the pieces have them.
     variance
         Sum of the variances of the exemplar's channels.
+    bends
+        Which channels (c,) are to be bent, see :func:`materials.bending`; of others nothing is told.
     """
     from graphtex_nodes.numerics import membrane_kernels
 
@@ -43,7 +47,8 @@ def missing(image: Array, steps: Array, variance: float, wrap: tuple[bool, bool]
     longest = np.float32(max(TORN**2 * variance, float(np.finfo(np.float32).tiny)))
 
     def band(first: int, stop: int) -> None:
-        membrane_kernels.missing_steps(lines, step_lines, longest, *map(np.uint8, wrap), result, first, stop)
+        around = map(np.uint8, wrap)
+        membrane_kernels.missing_steps(lines, step_lines, longest, bends, *around, result, first, stop)
 
     for_rows(band, height, width * 8 * channels, work)
     return result

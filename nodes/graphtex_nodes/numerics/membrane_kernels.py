@@ -9,7 +9,7 @@ from graphtex_nodes.numerics.jit import kernel
 
 
 @njit(inline="always")
-def weigh(lack, channels, limit):
+def weigh(lack, channels, limit, bends):
     """Multiply the missing steps of a row by their weights."""
     for start in range(0, lack.shape[0], channels):
         squared = np.float32(0)
@@ -18,15 +18,17 @@ def weigh(lack, channels, limit):
         if squared > 0:
             weight = np.exp(-squared / limit)
             for c in range(channels):
-                lack[start + c] *= weight
+                if bends[c] < 2:
+                    lack[start + c] *= weight * bends[c]
 
 
-@kernel("const f4[:,:], const f4[:,:,:], f4, u1, u1, f4[:,:,:], i8, i8")
-def missing_steps(image, steps, limit, around_y, around_x, missing, first, stop):
+@kernel("const f4[:,:], const f4[:,:,:], f4, const u1[:], u1, u1, f4[:,:,:], i8, i8")
+def missing_steps(image, steps, limit, bends, around_y, around_x, missing, first, stop):
     """How much a pixel lacks, summed over its four neighbours, for the differences to them to be the wanted ``steps``.
 
     Arrays are as in ``seam_kernels.fade_seams``; ``missing`` is (channels, h, w). What a step lacks counts exp(-its
-    squared length / ``limit``). An image that wraps around goes on over its borders.
+    squared length / ``limit``); in channels whose ``bends`` is 2 it counts whole, in those where it is 0 nothing. An
+    image that wraps around goes on over its borders.
     """
     channels, height, width = missing.shape
     size = width * channels
@@ -40,7 +42,7 @@ def missing_steps(image, steps, limit, around_y, around_x, missing, first, stop)
                 for c in range(channels):
                     last = size - channels + c
                     beside[c] = beside[size + c] = steps[1, y, last] - (image[y, c] - image[y, last])
-            weigh(beside, channels, limit)
+            weigh(beside, channels, limit, bends)
             for c in range(channels):
                 for x in range(width):
                     place = x * channels + c
@@ -49,7 +51,7 @@ def missing_steps(image, steps, limit, around_y, around_x, missing, first, stop)
             row, below = y % height, (y + 1) % height
             for index in range(size):
                 above[index] = steps[0, row, index] - (image[below, index] - image[row, index])
-            weigh(above, channels, limit)
+            weigh(above, channels, limit, bends)
         else:
             above[:] = 0
         if y >= first:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex_nodes.numerics import membrane, seam_kernels
+from graphtex_nodes.numerics.materials import bending
 from graphtex_nodes.numerics.parallel import Work, for_rows
 from graphtex_nodes.numerics.problem import Problem, Result
 from graphtex_nodes.numerics.recut import Costs, recut
@@ -40,15 +41,15 @@ class Steps:
         Let pieces fade into each other, and bend them to meet known pixels and each other there.
     level
         Bend faded pieces to meet each other where nothing is known.
-    bendable
-        Channels (c,) that are bent to meet each other; None for all.
+    bends
+        Which channels (c,) are bent to meet each other, see :func:`materials.bending`.
     """
 
     cut: bool = True
     passes: int = PASSES
     fade: bool = True
     level: bool = True
-    bendable: NDArray[np.bool_] | None = None
+    bends: NDArray[np.uint8] | None = None
 
 
 def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[Array, Field]:
@@ -88,7 +89,7 @@ def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[
     image = _with_known(problem, np.ascontiguousarray(image[inside]))
     if steps.level or problem.known is not None:
         own = np.ascontiguousarray(own[:, inside[0], inside[1]])
-        image = _bent(problem, image, own, source, variance, steps.bendable, work)
+        image = _bent(problem, image, own, source, variance, steps.bends, work)
     return image, source
 
 
@@ -100,7 +101,7 @@ def _with_known(problem: Problem, image: Array) -> Array:
 
 
 def _bent(
-    problem: Problem, image: Array, own: Array, source: Field, variance: float, bendable: NDArray[np.bool_] | None,
+    problem: Problem, image: Array, own: Array, source: Field, variance: float, bends: NDArray[np.uint8] | None,
     work: Work,
 ) -> Array:  # fmt: skip
     """The image (h, w, c) of faded pieces, bent to meet each other and what is known.
@@ -112,9 +113,8 @@ def _bent(
         for axis, steps in enumerate(own):
             beside = known | np.roll(known, -1, axis)
             steps[beside] = (np.roll(image, -1, axis) - image)[beside]
-    lack = membrane.missing(image, own, variance, problem.wrap, work)
-    if bendable is not None:
-        lack[~bendable] = 0
+    bends = bending([], image.shape[2]) if bends is None else bends
+    lack = membrane.missing(image, own, variance, bends, problem.wrap, work)
     if known is not None:
         return membrane.join_known(image, lack, source, problem.exemplar, problem.may, problem.wrap, work)
     may = problem.may

@@ -133,7 +133,7 @@ def optimize(
     vote
         What becomes of the last search. ``blend`` takes for each pixel the source that most windows agree on, lets
         large pieces take over the scraps between them along minimum cuts, and pieces fade into each other over five
-        pixels and their colours over about sixteen (not where outlines are torn, nor normals and other maps).
+        pixels and their colours over about sixteen (not where outlines are torn; heights always, other maps never).
         ``discrete`` leaves the fading out: the source map replays exactly. ``mean`` is the paper's weighted mean.
     levels, windows
         By themselves: as many levels as leave 16 pixels of the exemplar's smaller side, less where a period would no
@@ -150,8 +150,8 @@ def optimize(
     pca
         ``apart`` keeps the whole of the scale's and direction's main components; ``joint`` is the paper's first form.
     kinds, map_weights
-        Kinds make normals turn with mirrored and turned copies, and stay unit vectors. Weights of maps (without kinds
-        of channels) are those of their differences in the search; by weights of 1, 0, 0 the first map guides the rest.
+        Kinds make normals turn with their copies and stay unit vectors, and heights meet without cliffs. Weights of
+        maps (without kinds of channels) are those of differences in the search: 1, 0, 0 lets the first map guide.
     tileable
         Windows, votes and seams go on over these sides, so that copies of the output join without a seam. Odd sizes
         take longer. Target scales at opposite sides should be alike.
@@ -208,7 +208,7 @@ def optimize(
     announce(ctx, *SYNTHESIS_KERNELS)
     from graphtex_nodes.numerics import atlas, request, seams, sources
     from graphtex_nodes.numerics import levels as plans
-    from graphtex_nodes.numerics.materials import bendable, renormalised, require_stack
+    from graphtex_nodes.numerics.materials import bending, renormalised, require_stack
     from graphtex_nodes.numerics.parallel import aside
     from graphtex_nodes.numerics.problem import Settings
     from graphtex_nodes.numerics.synthesis import synthesise
@@ -269,8 +269,8 @@ def optimize(
     if vote == "mean":
         image, places = result.image[..., : exemplar.shape[2]], result.source
     else:
-        bend = bendable(kinds, exemplar.shape[2])
-        steps = seams.Steps(effort.cut, effort.moves, vote == "blend", effort.level, bend)
+        bends = bending(kinds, exemplar.shape[2])
+        steps = seams.Steps(effort.cut, effort.moves, vote == "blend", effort.level, bends)
         image, places = seams.finish(problem, result, steps, ctx)
     coherence = aside(partial(sources.coherence, places), ctx)
     source, shown = atlas.traced(sheet, places, ctx)

@@ -1,5 +1,6 @@
 """Replays a synthesis: its source map applied to other maps of the same exemplars."""
 
+from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -8,7 +9,7 @@ from pydantic import Field
 
 from graphtex import QUIET, Axes, Context, Image, Mask, SourceMap, node
 from graphtex_nodes.numerics.jit import announce
-from graphtex_nodes.numerics.materials import MapKind, bendable, renormalised, require_stack
+from graphtex_nodes.numerics.materials import MapKind, bending, renormalised, require_stack
 from graphtex_nodes.numerics.sources import Look
 from graphtex_nodes.perspective._parameters import Sides, around
 from graphtex_nodes.perspective._shown import Shown
@@ -17,6 +18,7 @@ Array = NDArray[Any]
 Flags = NDArray[np.bool_]
 
 BAND = 1 << 18  # pixels at a time
+LARGER = 1.7  # maps by more than that, compared to the places that a source map names, are doubted
 
 
 @node
@@ -59,7 +61,8 @@ def replay(
     tileable
         As in the synthesis: ``blend`` goes on over these sides.
     kinds
-        Normals are turned with their sources and made unit vectors again where they are off by more than 1 %.
+        Normals are turned with their sources and made unit vectors again where they are off by more than 1 %;
+        heights meet without cliffs.
 
     Returns
     -------
@@ -79,6 +82,7 @@ def replay(
     array([[1., 0.]], dtype=float32)
     """
     _require_maps(source, maps, factor)
+    _doubt_factor(source, maps, factor, ctx.warn)
     if vote == "blend":
         announce(ctx, "membrane_kernels")
     for number, picture in enumerate(maps):
@@ -94,15 +98,15 @@ def replay(
         ctx.progress(band.stop / height * (1.0 if vote == "discrete" else 0.2), "copying")
     if vote == "blend":
         mixed = shown.near_seams()
-        bend = bendable(kinds, result.shape[2])
+        bends = bending(kinds, result.shape[2]) * np.uint8(known is None)
         if mixed.any():
-            _fade(result, shown, mixed, bands, bend & (known is None), ctx)
+            _fade(result, shown, mixed, bands, bends, ctx)
         result = renormalised(result, kinds)
     return result
 
 
-def _fade(result: Array, shown: Shown, mixed: Flags, bands: list[slice], bend: Flags, ctx: Context) -> None:
-    """Let pieces fade into each other where they are ``mixed``, and bend them to meet in the channels ``bend``."""
+def _fade(result: Array, shown: Shown, mixed: Flags, bands: list[slice], bends: Array, ctx: Context) -> None:
+    """Let pieces fade into each other where they are ``mixed``, and bend them to meet as ``bends`` says."""
     from graphtex_nodes.numerics import membrane
 
     beside = [mixed | np.roll(mixed, -1, axis) for axis in (0, 1)]  # there steps to a neighbour are not copies
@@ -113,15 +117,14 @@ def _fade(result: Array, shown: Shown, mixed: Flags, bands: list[slice], bend: F
         result[band][mixed[band]] = values[mixed[band][near[band]]]
         own[:, band][:, near[band]] = steps
         ctx.progress(0.2 + 0.7 * band.stop / len(result), "fading")
-    if not bend.any():
+    if not bends.any():
         return
     for axis, steps in enumerate(own):
         steps[~beside[axis]] = (np.roll(result, -1, axis) - result)[~beside[axis]]
     seen = [np.concatenate([look.exemplar[..., c].ravel() for look in shown.looks]) for c in range(result.shape[2])]
     variance = sum(float(np.var(values, dtype=np.float64)) for values in seen)
     limits = np.array([values.min() for values in seen]), np.array([values.max() for values in seen])
-    lack = membrane.missing(result, own, variance / shown.factor**2, shown.wrap, ctx)
-    lack[~bend] = 0
+    lack = membrane.missing(result, own, variance / shown.factor**2, bends, shown.wrap, ctx)
     membrane.level(result, lack, limits, shown.wrap, ctx, shown.factor)
     ctx.progress(1.0, "levelling")
 
@@ -149,4 +152,18 @@ def _require_maps(source: Array, maps: list[Array], factor: float) -> None:
                     f"maps[{number}]: the source map names {side}s from {own[:, axis].min():g} to "
                     f"{own[:, axis].max():g} of exemplar {number}, too many for shape {picture.shape} with "
                     f"factor {factor:g}"
+                )
+
+
+def _doubt_factor(source: Array, maps: list[Array], factor: float, warn: Callable[[str], None]) -> None:
+    """Warn of maps that are larger than the exemplar by a factor that was not told, so that but a corner is shown."""
+    for number, picture in enumerate(maps):
+        own = source[source[..., 0] == number]
+        if len(own):
+            used = np.rint(own[:, 1:3].max(axis=0)) + 1
+            larger = picture.shape[:2] / used
+            if larger.min() > LARGER * factor and larger.max() < 1.1 * larger.min() and len(own) > used.prod() / 4:
+                warn(
+                    f"maps[{number}]: the source map names its first {used[0] * factor:g} of {picture.shape[0]} rows "
+                    f"and {used[1] * factor:g} of {picture.shape[1]} columns; is factor {np.rint(larger.min()):g}?"
                 )

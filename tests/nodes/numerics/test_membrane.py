@@ -67,11 +67,12 @@ def test_nothing_to_join(known):
     np.testing.assert_array_equal(solved(image, hole_in((4, 4), ~known), image), image)
 
 
-def levelled(image, steps, wrap=(False, False), variance=1e9, threads=1):
+def levelled(image, steps, wrap=(False, False), variance=1e9, threads=1, bends=None):
     image = image.copy()
+    bends = np.array([1] * image.shape[2] if bends is None else bends, np.uint8)
     limits = np.full(image.shape[2], -9, np.float32), np.full(image.shape[2], 9, np.float32)
     work = Context(threads=threads)
-    membrane.level(image, membrane.missing(image, steps, variance, wrap, work), limits, wrap, work)
+    membrane.level(image, membrane.missing(image, steps, variance, bends, wrap, work), limits, wrap, work)
     return image
 
 
@@ -127,6 +128,18 @@ def test_a_torn_outline_stays():
     assert np.abs(levelled(image, flat, variance=16) - image).max() > 0.3
 
 
+def test_heights_join_where_outlines_are_torn():
+    """One cliff in three channels: of what is measured, of a colour, and of a height."""
+    image = np.zeros((20, 40, 3), np.float32)
+    image[:, 20:] = 1
+    made = levelled(image, np.zeros((2, *image.shape), np.float32), variance=0.25, bends=(0, 1, 2))
+    np.testing.assert_array_equal(made[..., 0], image[..., 0])
+    np.testing.assert_allclose(made[..., 1], image[..., 1], atol=1e-4)
+    alone = levelled(image[..., 2:], np.zeros((2, 20, 40, 1), np.float32))
+    np.testing.assert_allclose(made[..., 2:], alone, atol=1e-5)
+    assert np.abs(np.diff(made[..., 2], axis=1)).max() < 0.05
+
+
 def test_what_lacks_nothing_is_not_touched():
     image = RNG.random((9, 7, 4)).astype(np.float32)
     np.testing.assert_array_equal(levelled(image, differences(image)), image)
@@ -140,7 +153,7 @@ def test_levelled_values_stay_within_limits():
     limits = np.zeros(1, np.float32), np.full(1, 0.5, np.float32)
     steps = np.zeros((2, 6, 30, 1), np.float32)
     steps[1, :, 14] = 0.7
-    lack = membrane.missing(image, steps, 1e9, (False, False), Context())
+    lack = membrane.missing(image, steps, 1e9, np.ones(image.shape[2], np.uint8), (False, False), Context())
     membrane.level(image, lack, limits, (False, False), Context())
     assert image.min() == 0
     assert image.max() == 0.5

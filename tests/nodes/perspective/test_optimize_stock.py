@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from graphtex import Context
 from graphtex_nodes.image.exemplars.bricks import bricks
@@ -85,6 +86,23 @@ def test_maps_stay_aligned(wall):
     assert np.abs(length - 1).max() < 0.01 + 1e-6
     again = normals_from_height(height, relief=4.0)
     assert np.quantile(np.abs(again - normal).max(axis=2), 0.85) < 0.02
+
+
+@pytest.mark.parametrize("kind", ["height", "scalar"])
+def test_heights_have_no_cliffs(wall, kind):
+    """Where pieces meet, a smooth surface has no step that its exemplar has not; a measured map stays as copied."""
+    height = gaussian_filter(wall[2], (4, 4, 0))
+    kinds = ["colour", kind]
+    stack = stack_maps([wall[0], height], kinds=kinds)
+    result = optimize(stack, kinds=kinds, map_weights=[1, 0], width=160, height=160, ctx=QUIET)
+    again = replay(result.source, [height], kinds=[kind], vote="blend", ctx=QUIET)
+    steps = [max(np.abs(np.diff(each, axis=axis)).max() for axis in (0, 1)) for each in
+             (height[..., 0], result.image[..., 3], again[..., 0])]  # fmt: skip
+    if kind == "height":
+        assert max(steps[1:]) < 1.1 * steps[0]
+        assert result.image[..., 3].std() > 0.85 * height.std()
+    else:
+        assert min(steps[1:]) > 1.4 * steps[0]
 
 
 def test_mirrored_normals_turn(wall):

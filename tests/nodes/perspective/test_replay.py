@@ -129,6 +129,17 @@ def test_any_factor(factor):
     np.testing.assert_allclose(output[:, 0, 0] * 40, place + 0.5 - 0.5 / factor, atol=0.05)
 
 
+def test_a_forgotten_factor_is_warned_of():
+    """Of maps of twice the sides only the first quarter would be seen."""
+    made = synthesis(vote="discrete")
+    large = NOISE.repeat(2, 0).repeat(2, 1)
+    with pytest.warns(UserWarning, match=r"names its first \d+ of \d+ rows and \d+ of \d+ columns; is factor 2\?"):
+        replay(made.source, [large])
+    replay(made.source, [large], factor=2)
+    replay(made.source, [np.pad(NOISE, ((0, len(NOISE)), (0, 0), (0, 0)))])  # another shape: it may be an atlas
+    replay(made.source[:4, :4], [large])
+
+
 def test_known_pixels_come_from_the_last_map():
     known = np.zeros((70, 60), bool)
     known[:, :12] = True
