@@ -46,6 +46,9 @@ def _hint(path: Path) -> str:
     inside = [one for one in names if one.startswith(f"{name}/")]
     if inside:
         return f"; there are {', '.join(inside)}"
+    last = [one for one in names if one.rpartition("/")[2] == name]
+    if last:
+        return f"; did you mean {' or '.join(map(repr, last))}?"
     hint = did_you_mean(name, names)
     return hint if "did you mean" in hint else "; `graphtex graphs` lists those that ship"
 

@@ -15,7 +15,7 @@ def demo(*, out: Path = Path("graphtex-out/demo"), quiet: bool = False) -> int:
     out
         The folder to write to, by default graphtex-out/demo.
     quiet
-        Tell nothing of the progress.
+        Tell nothing of the progress; warnings are told.
     """
     from graphtex.cli.arguments import read_graph
     from graphtex.cli.run import Job, carry_out

@@ -1,4 +1,4 @@
-"""Progress of a run on stderr: plain lines, a live display on terminals, or nothing."""
+"""Progress of a run on stderr: plain lines, a live display on terminals, or warnings alone."""
 
 import sys
 import time
@@ -53,6 +53,15 @@ class Display:
         """Return such as ``5 nodes: 2 ran, 3 cached; 4.1 s``."""
         tally = self.tally
         return f"{count(len(tally.nodes), 'node')}: {tally.counts()}; {duration(tally.seconds)}"
+
+
+class QuietDisplay(Display):
+    """Shows warnings alone: what they tell of a result is not told by the result."""
+
+    def show(self, event: events.Event) -> None:
+        """Print a warning."""
+        if isinstance(event, events.Warned):
+            print(told(event), file=sys.stderr, flush=True)
 
 
 class PlainDisplay(Display):

@@ -74,7 +74,7 @@ def run(
     json
         Print one JSON object in place of the paths, also if the run fails or is refused.
     quiet
-        Tell nothing of the progress.
+        Tell nothing of the progress; warnings are told.
     """
     from graphtex.cli.arguments import given_inputs, read_graph
 

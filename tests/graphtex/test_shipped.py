@@ -59,6 +59,7 @@ def test_python_loads_a_shipped_graph_by_its_name(checkout):
     ("name", "told"),
     [
         ("perspective/feature-msk", "'perspective/feature-msk' is no file and no graph that ships; did you mean 'perspective/feature-mask'?"),
+        ("feature-mask", "'feature-mask' is no file and no graph that ships; did you mean 'perspective/feature-mask'?"),
         ("design", "'design' is no file and no graph that ships; there are design/chaos.v2"),
         ("mien.yaml", "'mien.yaml' is no file and no graph that ships; did you mean 'mine.yaml'?"),
         ("of/none", "'of/none' is no file and no graph that ships; `graphtex graphs` lists those that ship"),

@@ -49,6 +49,13 @@ class Directions:
 Maps = Sequence[NDArray[Any] | None]
 
 
+def require_moderate(name: str, picture: Array) -> None:
+    """Raise ValueError for numbers whose squares single precision cannot hold or tell from 0."""
+    most = float(np.abs(picture).max())
+    if most > 1e15 or 0 < most < 1e-15:
+        raise ValueError(f"{name}: expected the largest number, unless all are 0, from 1e-15 to 1e15, got {most:.3g}")
+
+
 def gathered(pictures: Sequence[Array], scale: Maps | None, usable: Maps, angle: Maps | None) -> list[Atlas]:
     """The exemplars with what is known of each: maps of the first one and of further ones; None = nothing counts.
 
@@ -57,9 +64,10 @@ def gathered(pictures: Sequence[Array], scale: Maps | None, usable: Maps, angle:
     Raises
     ------
     ValueError
-        If numbers, sizes or channels disagree, or nothing of an exemplar is usable.
+        If numbers, sizes or channels disagree, numbers are too large or small, or nothing of an exemplar is usable.
     """
     for number, picture in enumerate(pictures):
+        require_moderate(_name("exemplar", number), picture)
         if picture.shape[2] != pictures[0].shape[2]:
             wanted = f"{pictures[0].shape[2]} channels as exemplar has"
             raise ValueError(f"{_name('exemplar', number)}: expected {wanted}, got shape {picture.shape}")
@@ -137,6 +145,8 @@ def pose(
     known = known if known is not None and known.any() else None
     if usable is not None and not usable.any():
         raise ValueError(f"usable: expected at least one True pixel, got none in shape {usable.shape}")
+    if start is not None:
+        require_moderate("start", start)
     if known is not None and start is None:
         raise ValueError("start: expected a picture beside known, got none")
     chosen = np.ones(exemplar.shape[:2], bool) if usable is None else usable

@@ -123,8 +123,12 @@ def complete(
     from graphtex_nodes.numerics.jit import announce
     from graphtex_nodes.numerics.materials import renormalised, require_channels
     from graphtex_nodes.numerics.parallel import Portion
+    from graphtex_nodes.numerics.request import require_moderate
     from graphtex_nodes.numerics.sources import own_places
 
+    require_moderate("photo", photo)
+    if not hole.any():
+        ctx.warn("hole: nothing is marked, so the photo stays as it is")
     if hole.all():
         raise ValueError(f"hole: expected some pixels outside it, got all of shape {hole.shape}")
     if kinds:

@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 
 from graphtex import events
-from graphtex.cli.display import Display, PlainDisplay
+from graphtex.cli.display import PlainDisplay, QuietDisplay
 from graphtex.cli.displays import make_display
 from graphtex.cli.live import MOST_LINES, LiveDisplay
 from graphtex.cli.tally import Tally
@@ -118,7 +118,7 @@ def test_the_live_display_shows_some_of_very_many() -> None:
 
 
 def test_the_display_fits_stderr(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert type(make_display(quiet=True)) is Display
+    assert type(make_display(quiet=True)) is QuietDisplay
     assert type(make_display(quiet=False)) is PlainDisplay
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     assert type(make_display(quiet=False)) is LiveDisplay

@@ -190,6 +190,8 @@ def test_json_is_one_object_with_all_that_a_script_needs(command: Command, small
         "nodes": 3, "ran": 3, "cached": 0, "failed": 0, "skipped": 0, "waiting": 0, "seconds": 0,
     }  # fmt: skip
     assert "warning: lit: too bright" in told.err.splitlines()
+    quiet = command("run", "small.yaml", "--quiet", "--set", "value=0.75")
+    assert quiet.err == "warning: lit: too bright\n"  # progress is not told, what is doubtful is
 
 
 def test_the_seed_option_replaces_the_graph_s(command: Command, folder: Path) -> None:

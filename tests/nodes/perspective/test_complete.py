@@ -122,7 +122,8 @@ def test_only_the_surroundings_are_looked_at():
 
 
 def test_no_hole_changes_nothing():
-    result = complete(NOISE, np.zeros((40, 50), bool), SLOPE, ctx=QUIET)
+    with pytest.warns(UserWarning, match="hole: nothing is marked, so the photo stays as it is"):
+        result = complete(NOISE, np.zeros((40, 50), bool), SLOPE)
     np.testing.assert_array_equal(result.image, NOISE)
     np.testing.assert_array_equal(result.scale, SLOPE)
     np.testing.assert_array_equal(result.source[..., 1:3].astype(int), np.stack([ROW, COLUMN], axis=-1))
@@ -223,14 +224,15 @@ def test_given_scale_is_kept():
         ({"hole": np.ones((4, 5), bool)}, "hole"),
         ({"source": np.zeros((40, 50), bool)}, "source: expected some pixels"),
         ({"source": hole_of("corner")}, "source: expected some pixels"),
+        ({"photo": np.full((40, 50, 3), 1e20, np.float32)}, "photo: expected the largest .* to 1e15"),
         ({"continuation": "given"}, "scale: expected a map"),
         ({"kinds": ["colour", "scalar"]}, "kinds: colour \\+ scalar are 4 channels, the picture has 3"),
     ],
 )
 def test_refuses(wrong, message):
-    sockets = {"hole": hole_of("corner"), **wrong}
+    sockets = {"photo": NOISE, "hole": hole_of("corner"), **wrong}
     with pytest.raises(ValueError, match=message):
-        complete(NOISE, ctx=QUIET, **sockets)
+        complete(ctx=QUIET, **sockets)
 
 
 def test_plane_ignores_what_does_not_lie_on_it():

@@ -173,6 +173,8 @@ def test_joint_components_follow_the_scale_too():
             {"more": [OTHER], "more_scale": [SCALE], "exemplar_scale": SCALE, "target_scale": SCALE},
             r"more_scale\[0\]: expected the size of its exemplar, \(33, 20\), got shape \(40, 48\)",
         ),
+        ({"more": [OTHER * np.float32(1e20)]}, r"more\[0\]: expected the largest .* to 1e15, got 9.99e\+19"),
+        ({"start": np.full((80, 96, 3), 1e-30, np.float32)}, "start: expected the largest .* got 1e-30"),
         ({"more": [OTHER], "more_usable": [np.ones((4, 4), bool)]}, r"more_usable\[0\]: expected the size"),
         ({"more": [OTHER], "more_usable": [np.zeros((33, 20), bool)]}, r"more_usable\[0\]: expected at least one"),
         ({"more_usable": [np.ones((4, 4), bool)]}, "more_usable: expected one for each of 0 further exemplars, got 1"),
