@@ -8,10 +8,18 @@ from numpy.typing import NDArray
 
 from graphtex import Elements
 from graphtex_nodes.splicing._detection import Detection, Search
-from graphtex_nodes.splicing._doubts import trust
+from graphtex_nodes.splicing._doubts import DOUBTFUL, trust
 from graphtex_nodes.splicing._nearness import common_offset
 from graphtex_nodes.splicing._packed import outline_fit, touching
-from graphtex_nodes.splicing._partitions import LARGEST_SHARE, LEAST_COUNT, Even, Parts, even_and_small, partitions
+from graphtex_nodes.splicing._partitions import (
+    LARGEST_SHARE,
+    LEAST_COUNT,
+    SIDE,
+    Even,
+    Parts,
+    even_and_small,
+    partitions,
+)
 from graphtex_nodes.splicing._pattern import distances
 from graphtex_nodes.splicing._peaks import score_floor
 from graphtex_nodes.splicing._poses import Poses
@@ -20,6 +28,7 @@ from graphtex_nodes.splicing._templates import Example
 
 Array = NDArray[Any]
 
+FINE = 6  # pixels of the picture between those of a reduced one that is fine enough
 TRIED = 7  # proposals
 OTHER = 0.25  # share of the parts that must have been missed for them to be a second kind
 GAIN = 1.1  # by which a second kind must explain more
@@ -50,6 +59,12 @@ class Choice:
         points: Array = _likely(self.found.poses, self.floor).points
         return points
 
+    @property
+    def size(self) -> tuple[float, float]:
+        """Mean width and height of the examples."""
+        width, height = (float(np.mean([getattr(e, side) for e in self.examples])) for side in ("width", "height"))
+        return width, height
+
 
 def choose(image: Array, search: Search) -> Choice | None:
     """The elements that explain a picture best; None without any.
@@ -57,13 +72,29 @@ def choose(image: Array, search: Search) -> Choice | None:
     Either all that looks like an example, or parts of the picture that stand apart, however unlike they are. Parts are
     taken if they look more like elements than the others explain, and the others miss some of them or all have one
     size where the parts have not. They have no angles.
+
+    The picture is divided at a low resolution first. Where that leaves doubts, and elements may have been too small to
+    be made out, it is done again at twice that.
     """
-    even = even_and_small(image)
+    side, best = SIDE, None
+    while best is None or best.confidence < DOUBTFUL:
+        search.ctx.check()
+        choice = _judged(even_and_small(image, side), search)
+        if choice is not None and (best is None or choice.confidence > best.confidence):
+            best = choice
+        if max(image.shape[:2]) <= FINE * side:
+            break
+        side *= 2
+    return best
+
+
+def _judged(even: Even, search: Search) -> Choice | None:
+    """What is chosen at one resolution, with a confidence that takes doubts into account."""
     choice = _chosen(even, search)
     if choice is None:
         return None
     kept = _likely(choice.found.poses, choice.floor)
-    width, height = (float(np.mean([getattr(e, side) for e in choice.examples])) for side in ("width", "height"))
+    width, height = choice.size
     elements = Elements(kept.points / even.step, kept.angles, kept.scales)
     share = trust(even.picture, elements, kept.scores, width / even.step, height / even.step)
     return replace(choice, confidence=share * choice.confidence)
@@ -105,15 +136,13 @@ def _centred(choice: Choice, even: Even) -> Choice:
     return replace(choice, examples=[outlined], found=moved)
 
 
-def as_parts(image: Array, search: Search, examples: list[Example], found: Detection) -> Choice | None:
+def as_parts(even: Even, search: Search, examples: list[Example], found: Detection) -> Choice | None:
     """All parts that joints leave of a picture, where the examples are such parts; None where they are not.
 
     Bricks and stones differ too much for one to look like the others. Where many of the parts were `found` because
     they look like the examples, only those are meant.
     """
-    divided = [
-        parts for parts in partitions(even_and_small(image)) if all(_marked(parts, each) >= 0 for each in examples)
-    ]
+    divided = [parts for parts in partitions(even) if all(_marked(parts, each) >= 0 for each in examples)]
     parts = max(divided, key=lambda parts: parts.merit, default=None)
     if parts is None or parts.merit < LEAST_MERIT or np.count_nonzero(parts.labels) < PACKED * parts.labels.size:
         return None

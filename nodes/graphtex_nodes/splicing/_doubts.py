@@ -1,4 +1,4 @@
-"""Signs that what was found without help is not what a texture is made of."""
+"""Signs that what was found is not what a texture is made of."""
 
 from typing import Any
 
@@ -11,9 +11,11 @@ from graphtex_nodes.splicing._unlit import squared_change
 
 Array = NDArray[Any]
 
+DOUBTFUL = 0.5  # confidence below which automatic results are rarely right
 AROUND = 1.25  # times an element's half sizes: its outline lies within
 EXPLAINED = 0.8  # share of all changes of colour that right elements have in and around them at least
 DIRECTED = 0.75  # how much changes of brightness have one direction: bricks have 0.5, stripes 1
+SHOWN, SHOWN_ALONE = 0.2, 0.6  # least share of squared changes at what looks like given elements, and at one alone
 UNEVEN = 0.08  # deviation of scores of elements that are alike
 
 
@@ -30,10 +32,23 @@ def trust(image: Array, elements: Elements, scores: Array, width: float, height:
     )
 
 
+def hardly_shown(image: Array, elements: Elements, width: float, height: float) -> float | None:
+    """Share of the squared changes of colour in and around elements, if it is too little for what a texture shows.
+
+    Squares, since a lone element on a noisy ground has few pixels that change, but these change most.
+    """
+    share = _share(squared_change(image), elements, width, height)
+    return share if share < (SHOWN if len(elements.points) > 1 else SHOWN_ALONE) else None
+
+
 def _explained(image: Array, elements: Elements, width: float, height: float) -> float:
     """Share of the changes of colour that lies in and around the elements."""
-    change = np.sqrt(squared_change(image))
-    near = distances(image.shape[:2], elements, width, height)[1] < AROUND
+    return _share(np.sqrt(squared_change(image)), elements, width, height)
+
+
+def _share(change: Array, elements: Elements, width: float, height: float) -> float:
+    """Share of a map (h, w) that lies in and around the elements."""
+    near = distances(change.shape, elements, width, height)[1] < AROUND
     return float(change[near].sum() / max(change.sum(), 1e-9))
 
 

@@ -108,11 +108,11 @@ def partitions(even: Even) -> list[Parts]:
     return ordered if whole is None else [whole, *(parts for parts in ordered if parts is not whole)]
 
 
-def even_and_small(image: Array) -> Even:
-    """A picture without slow changes of light, reduced so that its longer side has `SIDE` pixels at most."""
+def even_and_small(image: Array, side: int = SIDE) -> Even:
+    """A picture without slow changes of light, reduced so that its longer side has so many pixels at most."""
     from graphtex_nodes.splicing._detection import reduced
 
-    step = max(1.0, max(image.shape[:2]) / SIDE)
+    step = max(1.0, max(image.shape[:2]) / side)
     return Even(reduced(evenly_lit(image), step), step, image.shape[:2])
 
 

@@ -51,12 +51,11 @@ def cut_out(
     Raises
     ------
     ValueError
-        The element's centre lies outside the picture, or there is nothing but one colour in the element.
+        There is nothing but one colour in the element.
     """
     from scipy.ndimage import map_coordinates
 
     height, width = image.shape[:2]
-    check_inside(example, image.shape, name)
     sides = (max(example.width, example.height),) * 2 if round_mask else (example.height, example.width)
     half = [max(1, round(side * scale / step / 2)) + margin for side in sides]
     y, x = (np.arange(-k, k + 1) * (step / scale) for k in half)
@@ -71,7 +70,7 @@ def cut_out(
         mask &= (x[None, :] * 2 / sides[1]) ** 2 + (y[:, None] * 2 / sides[0]) ** 2 <= 1.1
     if np.ptp(template[mask], axis=0).max() <= 1e-6:
         raise ValueError(
-            f"{name}: expected an element that stands out from what is around it, got one colour at x = {example.x:g}, "
-            f"y = {example.y:g}, {example.width:g} x {example.height:g} pixels"
+            f"{name}: expected an element that stands out from what is around it, got a box of one colour: give x and "
+            f"y of its centre, and its whole width and height, in pixels"
         )
     return template, mask

@@ -11,7 +11,6 @@ from graphtex_nodes.splicing._templates import Example, check_inside
 
 Array = NDArray[Any]
 
-DOUBTFUL = 0.5  # confidence below which automatic results are rarely right
 COVERED = 0.95  # share of the picture at which the literal search stops
 
 
@@ -107,6 +106,8 @@ def find_textons(
     """
     from graphtex_nodes.splicing._automatic import as_parts, choose
     from graphtex_nodes.splicing._detection import Search
+    from graphtex_nodes.splicing._doubts import DOUBTFUL
+    from graphtex_nodes.splicing._partitions import even_and_small
     from graphtex_nodes.splicing._peaks import score_floor
 
     if search == "literal":
@@ -118,7 +119,9 @@ def find_textons(
     if given:
         found = sought.detect(given)
         floor = score_floor(found.poses.scores)
-        parted = None if sought.turned else as_parts(image, sought, given, found)
+        even = even_and_small(image)
+        ctx.check()
+        parted = None if sought.turned else as_parts(even, sought, given, found)
         if parted is not None:
             found, floor = parted.found, parted.floor
     else:
@@ -137,14 +140,32 @@ def find_textons(
     poses = found.poses.take(found.poses.scores >= (floor if least_score is None else least_score))
     if not len(poses.points):
         raise ValueError(f"least_score: expected at least one element, got none with a score of {least_score}")
+    elements = Elements(poses.points, poses.angles, poses.scales)
+    width, height = (float(np.mean([getattr(e, side) for e in given])) for side in ("width", "height"))
+    if examples:
+        _tell_hardly_shown(even.picture, even.step, elements, width, height, ctx)
     last = np.array(image.shape[1::-1]) - 1
     within = ((poses.points >= 0) & (poses.points <= last)).all(axis=1)
     return Textons(
-        Elements(poses.points, poses.angles, poses.scales), poses.points[within], poses.scores.astype(np.float64),
-        float(np.mean([e.width for e in given])), float(np.mean([e.height for e in given])),
+        elements, poses.points[within], poses.scores.astype(np.float64), width, height,
         _enlarged(found.similarity, found.step, image.shape[:2]),
         float(poses.scores.mean()) if confidence < 0 else confidence,
     )  # fmt: skip
+
+
+def _tell_hardly_shown(
+    image: Array, step: float, elements: Elements, width: float, height: float, ctx: Context
+) -> None:  # fmt: skip
+    """Warn where what looks like the given elements is little of what a picture, every `step`-th pixel of it, shows."""
+    from graphtex_nodes.splicing._doubts import hardly_shown
+
+    share = hardly_shown(image, elements._replace(points=elements.points / step), width / step, height / step)
+    if share is not None:
+        count = len(elements.points)
+        ctx.warn(
+            f"examples: {count} found, which {'have' if count > 1 else 'has'} {share:.0%} of what changes in the "
+            f"picture: are they whole elements? give x and y of one's centre, and its whole width and height, in pixels"
+        )
 
 
 def _literal(image: Array, examples: list[Example], turn: float, growth: float, radius: float, ctx: Context) -> Textons:

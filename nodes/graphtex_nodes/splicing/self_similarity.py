@@ -48,9 +48,10 @@ def self_similarity(
         The element's centre is outside the picture, or the element has no structure.
     """
     from graphtex_nodes.numerics.correlation import Correlator
-    from graphtex_nodes.splicing._templates import Example, cut_out
+    from graphtex_nodes.splicing._templates import Example, check_inside, cut_out
 
     example = Example(x=x, y=y, width=width, height=height)
+    check_inside(example, appearance.shape, "x")
     template, mask = cut_out(appearance, example, "x")
     if measure == "vector":
         return Correlator(appearance, mask.shape, ctx.threads).correlate(template, mask)[..., None].astype(np.float32)

@@ -89,6 +89,48 @@ def test_nothing_is_found_on_a_plain_ground():
     assert found.confidence > 0.5
 
 
+def test_small_elements_of_a_large_picture():
+    """At first each is two of the pixels at which the picture is divided."""
+    made = textons(width=1400, height=120, size=16.0, rng=1)
+    told: list[str] = []
+    found = find_textons(made.image, ctx=Context(on_warning=told.append))
+    assert agreement(found.points, made, 16.0)[0] >= 0.98
+    assert found.confidence > 0.5
+    assert told == []
+
+
+def lone(noise: float) -> np.ndarray:
+    """A disc, 24 pixels wide, at (60, 66)."""
+    y, x = np.mgrid[:128, :128]
+    image = np.where((np.hypot(x - 60, y - 66) < 12)[..., None], (0.9, 0.3, 0.1), (0.3, 0.5, 0.3))
+    return (image + np.random.default_rng(0).normal(0, noise, image.shape)).clip(0, 1).astype(np.float32)
+
+
+@pytest.mark.parametrize(
+    ("image", "place", "size", "wrong"),
+    [
+        (lone(0.02), (60, 66), 24, False),
+        (lone(0.02), (20, 20), 24, True),
+        (lone(0.02), (60, 66), 6, True),
+        (small(jitter=0.1, rng=1).image, None, 20, False),
+        (small(jitter=0.1, rng=1).image, None, 5, True),
+    ],
+)
+def test_a_box_beside_an_element_or_on_a_part_of_one_is_told(image, place, size, wrong):
+    example = central(small(jitter=0.1, rng=1))[1]
+    x, y = place or (example.x, example.y)
+    told: list[str] = []
+    find_textons(image, examples=[{"x": x, "y": y, "width": size, "height": size}], ctx=Context(on_warning=told.append))
+    assert ["examples: " in text and "are they whole elements?" in text for text in told] == [True] * wrong
+
+
+def test_a_centre_on_the_last_row_is_inside_at_all_resolutions():
+    """Of 128 rows every 1.5th is looked at, the last of which is row 126."""
+    image = small(rng=1).image
+    found = find_textons(image, examples=[{"x": 70, "y": 127, "width": 24, "height": 24}])
+    assert len(found.points) > 0
+
+
 def test_sizes_stay_in_range():
     """Discs of half the example's size are too small, however well they fit."""
     made = textons(width=160, height=160, size=14.0, jitter=0.1, rng=1)

@@ -98,5 +98,7 @@ def test_one_stone_stands_for_all_between_joints():
     hit = truth[np.rint(found.points[:, 1]).astype(int), np.rint(found.points[:, 0]).astype(int)]
     assert len(np.intersect1d(hit, stones)) > 0.85 * len(stones)
     assert np.quantile(found.elements.scales, [0.2, 0.8]) == pytest.approx(1, abs=0.15)
-    loose = find_textons(image, examples=[{**example, "width": 12, "height": 10}])
+    told: list[str] = []
+    loose = find_textons(image, examples=[{**example, "width": 12, "height": 10}], ctx=Context(on_warning=told.append))
+    assert "are they whole elements?" in told[0]
     assert len(loose.points) != len(found.points)
