@@ -1,6 +1,7 @@
 """What the framework hands to a running node: progress, cancellation, warnings, random numbers."""
 
 import os
+import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -12,7 +13,13 @@ from graphtex.errors import Cancelled
 
 
 def _warn(text: str) -> None:
-    warnings.warn(text, stacklevel=3)
+    """Warn in the name of the line that called the node, however deep in it the doubt arose."""
+    frame, level, outermost = sys._getframe(), 1, 2
+    while frame.f_back is not None:
+        if frame.f_globals.get("__name__") == "graphtex.node":
+            outermost = level
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, stacklevel=outermost + 1)
 
 
 def _ignore(fraction: float, message: str) -> None:

@@ -273,9 +273,10 @@ def test_the_context_of_a_direct_call(recwarn):
     ctx = Context(on_progress=lambda share, text: told.append((share, text)), on_warning=told.append)
     tiny.warns(picture(1), ctx=ctx)
     assert told == [(0.5, "half"), "it is odd"]
-    with pytest.warns(UserWarning, match="it is odd") as caught:
-        tiny.warns(picture(1))
-    assert caught[0].filename == tiny.__file__
+    for call in (tiny.warns, tiny.asks_others):
+        with pytest.warns(UserWarning, match="it is odd") as caught:
+            call(picture(1))
+        assert caught[0].filename == __file__  # the caller's line, not the node's
 
 
 @pytest.mark.parametrize(
