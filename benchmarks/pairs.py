@@ -160,7 +160,9 @@ def entry(name: str, image: Array, given: bool) -> tuple[PreparedTexture, bool] 
 def spliced(one: PreparedTexture, other: PreparedTexture, doubtful: bool) -> Outcome:
     """Splice a pair and judge it."""
     moves, warp, drawn, refined = splice(one, other.texture)
-    verdict = judge_splice(one.extension, moves, refined.mask, refined.source, drawn.holes, warp)
+    verdict = judge_splice(
+        one.extension, moves, refined.mask, refined.source, drawn.holes, warp, drawn.source, drawn.cells
+    )
     wanted = align_distributions(one.extension, other.texture).target.points
     image = one.texture.image
     middle = image.shape[1] // 2

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.figures import Figure, in_turns, seconds
-from graphtex import QUIET, Context, Gap, Texture
+from graphtex import QUIET, Context, Elements, Gap, Texture
 from graphtex_nodes import (
     align_distributions,
     contact_sheet,
@@ -22,6 +22,7 @@ from graphtex_nodes import (
     prepare_texture,
     rasterize,
     refine,
+    retile,
     rigid_warp,
     sample_texture,
     textons,
@@ -47,6 +48,7 @@ def figures(pictures: Path | None) -> Iterator[Figure]:
     """Warps against bounds, all pairs of the samples, and times."""
     yield from _elements()
     yield from _joints()
+    yield from _walls()
     yield from _pairs(pictures)
     for side, bound in BOUNDS.items():
         yield from _speed(side, bound)
@@ -88,6 +90,39 @@ def _joints() -> Iterator[Figure]:
     yield Figure("bricks: slope of a bed joint; reference rigid bricks", slopes, "<= 0.03", steep)
 
 
+def _walls() -> Iterator[Figure]:
+    """Bricks in arrangements that no warp of a wall reaches, laid anew; the reference is that warp."""
+    made = textons(
+        width=192, height=192, size=40.0, form="tile", arrangement="brick", spacing=1.125, proportion=0.45, rng=4
+    )
+    entry = prepare_texture(Texture(made.image, made.mask, made.centres, "B=c"))
+    missed, plain = [], []
+    for arrangement in ("hexagonal", "random"):
+        other = textons(width=192, height=192, size=24.0, arrangement=arrangement, rng=5)
+        moves, warp, drawn, _ = splice(entry, _texture(other))
+        places = moves.targets[moves.matched > 0] - (entry.extension.left, entry.extension.top)
+        for x, y in places[((places >= 24) & (places <= 167)).all(axis=1)]:
+            row, column = np.nonzero(drawn.mask & (drawn.cells == drawn.cells[round(y), round(x)]))
+            missed.append(float(np.hypot(column.mean() - x, row.mean() - y)))
+        plain.append(_misses(entry.extension, moves, warp)[moves.matched > 0])
+    off, reference = float(np.mean(missed)), float(np.mean(np.concatenate(plain)))
+    yield Figure("bricks laid anew: off their places, px, mean; reference warped bricks", off, "<= 3", reference)
+    period = 32.3
+    ticks = np.arange(-period / 2, 192 + period, period)
+    square = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
+    moves = hungarian(entry.extension, Elements(square, np.zeros(len(square)), np.ones(len(square)))).moves
+    drawn = retile(entry.texture, entry.extension, moves, *rasterize(entry.extension, moves, warp))
+    widths = [
+        float(np.mean([~mask[round(y), round(x) : round(x + step * period)] for y in rows])) * period
+        for mask, rows, x, step, period in (
+            (made.mask, np.unique(made.centres[:, 1].round())[1:-1], made.centres[0, 0], 3, 45.0),
+            (drawn.mask, ticks[2:-2], ticks[1], 4, period), (drawn.mask.T, ticks[2:-2], ticks[1], 4, period),
+        )
+    ]  # fmt: skip
+    change = max(abs(width - widths[0]) for width in widths)
+    yield Figure("bricks laid anew in squares: change of a joint's width, px", change, "<= 0.1")
+
+
 def _shaken(extension: Extension, seed: int) -> Moves:
     """Every texton goes a little way."""
     count = len(extension.points)
@@ -96,12 +131,18 @@ def _shaken(extension: Extension, seed: int) -> Moves:
 
 
 def _missed(extension: Extension, moves: Moves, warp: Array) -> float:
-    """How far, in pixels, whole elements are from where they should be in the mean of their pixels; the farthest."""
+    """How far the farthest element is from where it should be."""
+    return float(_misses(extension, moves, warp).max())
+
+
+def _misses(extension: Extension, moves: Moves, warp: Array) -> Array:
+    """How far, in pixels, elements (n,) are from where they should be, in the mean of their pixels (0 if none)."""
     labels = extension.labels[extension.labels >= 0]
     count = np.maximum(np.bincount(labels, minlength=len(moves.points)), 1)
     shift = [np.bincount(labels, warp[extension.labels >= 0, axis], len(moves.points)) / count for axis in (0, 1)]
     seen = np.bincount(labels, minlength=len(moves.points)) > 0
-    return float(np.hypot(*(np.stack(shift, axis=1) - moves.targets + moves.points)[seen].T).max())
+    missed: Array = np.hypot(*(np.stack(shift, axis=1) - moves.targets + moves.points).T) * seen
+    return missed
 
 
 def _strain(warp: Array, mask: Array) -> Array:
@@ -128,12 +169,13 @@ def _bed_joints(extension: Extension, warp: Array) -> tuple[float, float]:
 
 
 def splice(entry: PreparedTexture, arrangement: Texture, ctx: Context = QUIET) -> tuple[Any, Any, Any, Any]:
-    """What was moved, warped, drawn and refined."""
+    """What was moved, warped, drawn or laid anew, and refined."""
     target = align_distributions(entry.extension, arrangement, ctx=ctx).target
     moves = hungarian(entry.extension, target, ctx=ctx).moves
     warp = rigid_warp(entry.extension, moves, entry.factor_x, entry.factor_y, ctx=ctx)
     drawn = rasterize(entry.extension, moves, warp, ctx=ctx)
-    return moves, warp, drawn, refine(entry.texture, entry.sets, *drawn, ctx=ctx)
+    laid = retile(entry.texture, entry.extension, moves, *drawn, ctx=ctx)
+    return moves, warp, laid, refine(entry.texture, entry.sets, *laid[:4], ctx=ctx)
 
 
 def _pairs(pictures: Path | None) -> Iterator[Figure]:

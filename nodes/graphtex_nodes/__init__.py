@@ -72,6 +72,7 @@ from graphtex_nodes.splicing.neighbour_sets import neighbour_sets
 from graphtex_nodes.splicing.prepare_texture import prepare_texture, split_prepared
 from graphtex_nodes.splicing.rasterize import rasterize
 from graphtex_nodes.splicing.refine import refine
+from graphtex_nodes.splicing.retile import retile
 from graphtex_nodes.splicing.rigid_warp import rigid_warp
 from graphtex_nodes.splicing.self_similarity import self_similarity
 from graphtex_nodes.splicing.separate_foreground import separate_foreground
@@ -134,6 +135,7 @@ __all__ = [
     "refine",
     "replay",
     "resize_scale",
+    "retile",
     "rigid_warp",
     "sample",
     "sample_mask",

@@ -52,7 +52,7 @@ class Tiling:
         found = found[((found < first) | (found > last)).any(axis=1)]
         joined = apart(np.concatenate([kept, found]), 0.4 * self.unit)
         margins = np.stack([self.points.min(axis=0) + 0.5, self.edge - self.points.max(axis=0)])
-        return joined if margins.max() > self.unit else _without_gaps(joined, ROOM * self._widest, low, high)
+        return joined if margins.max() > self.unit else without_gaps(joined, ROOM * self._widest, low, high)
 
     @cached_property
     def _filled(self) -> tuple[Array, Array]:
@@ -118,7 +118,7 @@ class Tiling:
         return float(np.quantile(np.asarray(cKDTree(self.points).query(_grid(x, y))[0]), NEARLY_ALL))
 
 
-def _without_gaps(points: Array, widest: float, low: Array, high: Array) -> Array:
+def without_gaps(points: Array, widest: float, low: Array, high: Array) -> Array:
     """The points, and one in each place of a box that is farther than `widest` from all, the farthest first."""
     if len(points) == 0 or (high - low).min() <= 2 * widest:
         return points

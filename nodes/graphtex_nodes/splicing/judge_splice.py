@@ -5,7 +5,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex import Axes, Displacement, Mask, Number, SourceMap, node
+from graphtex import Axes, Displacement, LabelMap, Mask, Number, SourceMap, node
 from graphtex_nodes.splicing.rigid_warp import moved
 from graphtex_nodes.splicing.values import Extension, Moves
 
@@ -40,6 +40,8 @@ def judge_splice(
     source: Annotated[SourceMap, Axes("h w s")],
     holes: Annotated[Mask, Axes("h w")],
     warp: Displacement | None = None,
+    laid: Annotated[SourceMap, Axes("h w s")] | None = None,
+    cells: Annotated[LabelMap, Axes("h w")] | None = None,
 ) -> Verdict:
     """Count what goes wrong in splices: elements cut, covered or bent, foreground that is elsewhere, holes.
 
@@ -53,6 +55,9 @@ def judge_splice(
         Pixels that the warp left empty, from `Rasterize`.
     warp
         From `RigidWarp`; without it nothing can be told of `bent` and `slope`, which are 0 then.
+    laid, cells
+        Source and cells from `Retile`. If it has laid a wall anew, the warp does not count: `bent` is told of the
+        foreground of cells, and nothing has a `slope`, since no joint is one that was there before.
 
     Returns
     -------
@@ -66,7 +71,7 @@ def judge_splice(
     stretched
         Share of the pixels expected in the foreground that show something else, or their element distorted.
     bent
-        Share of the elements in the window that the warp makes longer against their width by half or more: the ratio of
+        Share of the elements in the window that are made longer against their width by half or more: the ratio of
         the singular values of the affine map that is nearest to it over the element, by least squares.
     slope
         How far what lies between elements in the window, such as joints, turns: the mean of the absolute change of one
@@ -107,32 +112,57 @@ def judge_splice(
         both / either if either else 1.0,
         float(holes.mean()),
         float(1 - shown.mean()) if len(shown) else 0.0,
-        *((0.0, 0.0) if warp is None else (_bent(elements, moves, warp), _slope(elements, warp))),
+        *_deformed(elements, moves, warp, mask, laid, cells),
     )
+
+
+def _deformed(
+    elements: Extension, moves: Moves, warp: Array | None, mask: Array, laid: Array | None, cells: Array | None
+) -> tuple[float, float]:
+    """Share of elements that are bent, and the slope of the background."""
+    if laid is not None and cells is not None and (cells >= 0).any():
+        return _bent_in_cells(mask, laid, cells), 0.0
+    return (0.0, 0.0) if warp is None else (_bent(elements, moves, warp), _slope(elements, warp))
+
+
+def _bent_in_cells(mask: Array, source: Array, cells: Array) -> float:
+    """Share of the cells within the window whose foreground is bent from what it was in the texture."""
+    rows, columns = np.nonzero(mask & (cells >= 0))
+    index, count = cells[rows, columns], int(cells.max()) + 1
+    bent, told = _longer(index, count, source[rows, columns, 2:0:-1].T, np.stack([columns, rows]))
+    for line in (cells[0], cells[-1], cells[:, 0], cells[:, -1]):
+        told[line[line >= 0]] = False
+    return float(bent[told].mean()) if told.any() else 0.0
 
 
 def _bent(elements: Extension, moves: Moves, warp: Array) -> float:
     """Share of the elements that lie in the window, by their centre, and are bent."""
     rows, columns = np.nonzero(elements.labels >= 0)
-    index, count = elements.labels[rows, columns], len(moves.points)
-    places = np.stack([columns, rows]) + warp[rows, columns].T
+    index, before = elements.labels[rows, columns], np.stack([columns, rows])
+    bent, told = _longer(index, len(moves.points), before, before + warp[rows, columns].T)
+    place = moves.targets - (elements.left, elements.top)
+    told &= ((place >= 0) & (place < (elements.width, elements.height))).all(axis=1) & (moves.matched > 0)
+    return float(bent[told].mean()) if told.any() else 0.0
+
+
+def _longer(index: Array, count: int, before: Array, after: Array) -> tuple[Array, Array]:
+    """Which of so many elements are bent, and of which it can be told, by places (2, n) of their pixels."""
     size = np.bincount(index, minlength=count)
 
     def means(values: Array) -> Array:
         result: Array = np.bincount(index, values, count) / np.maximum(size, 1)
         return result
 
-    apart = [values - means(values)[index] for values in (columns, rows, *places)]
+    apart = [values - means(values)[index] for values in (*before, *after)]
     own = np.array([[means(apart[i] * apart[j]) for i in (0, 1)] for j in (0, 1)]).transpose(2, 0, 1)
     both = np.array([[means(apart[i] * apart[j]) for i in (0, 1)] for j in (2, 3)]).transpose(2, 0, 1)
-    place = moves.targets - (elements.left, elements.top)
-    seen = ((place >= 0) & (place < (elements.width, elements.height))).all(axis=1)
-    seen &= (moves.matched > 0) & (size >= LEAST) & (np.linalg.det(own) > 1e-6)
-    if not seen.any():
-        return 0.0
-    # the product of the affine map and own is both
-    larger, smaller = np.linalg.svd(both[seen] @ np.linalg.inv(own[seen]), compute_uv=False).T
-    return float((larger > BENT * smaller).mean())
+    told = (size >= LEAST) & (np.linalg.det(own) > 1e-6)
+    bent = np.zeros(count, bool)
+    if told.any():
+        # the product of the affine map and own is both
+        larger, smaller = np.linalg.svd(both[told] @ np.linalg.inv(own[told]), compute_uv=False).T
+        bent[told] = larger > BENT * smaller
+    return bent, told
 
 
 def _slope(elements: Extension, warp: Array) -> float:

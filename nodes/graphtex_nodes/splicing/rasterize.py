@@ -100,13 +100,13 @@ def rasterize(
 
     for_rows(band, height, 40.0 * width, ctx)
     holes = best < 0
-    image = _sample(elements.image, found)
-    mask = _sample(elements.mask[..., None].astype(np.float32), found)[..., 0] > 0.5
+    image = sampled(elements.image, found)
+    mask = sampled(elements.mask[..., None].astype(np.float32), found)[..., 0] > 0.5
     image[holes], mask[holes] = 0, False
     return Drawing(image, mask, _source(elements, found, holes), holes)
 
 
-def _sample(image: Array, places: Array) -> Array:
+def sampled(image: Array, places: Array) -> Array:
     """Bilinear values at places (h, w, 2), x and y within the image."""
     height, width = image.shape[:2]
     left = np.minimum(places[..., 0].astype(np.int64), max(width - 2, 0))

@@ -88,7 +88,7 @@ def suggested_tag(mask: Array, points: Array) -> RigidPart:
     from graphtex_nodes.splicing.texton_labels import texton_labels
 
     labels = texton_labels(mask, points)
-    if _jointed(mask, labels):
+    if jointed(mask, labels):
         return "B=c"
     parts, count = label(mask)
     column, row = np.clip(np.rint(points), 0, np.array(mask.shape[::-1]) - 1).astype(np.intp).T
@@ -99,7 +99,7 @@ def suggested_tag(mask: Array, points: Array) -> RigidPart:
     return "F=d"
 
 
-def _jointed(mask: Array, labels: Array) -> bool:
+def jointed(mask: Array, labels: Array) -> bool:
     """Whether the background is a net of narrow joints between elements that are not round."""
     from scipy.ndimage import distance_transform_edt, label, maximum
     from skimage.measure import regionprops

@@ -73,3 +73,21 @@ def test_bent_elements_and_sloping_joints_by_hand():
     assert verdict.bent == 0.5
     assert verdict.slope == pytest.approx(0.25, abs=0.01)
     assert judge_splice(extension, moves, texture.mask, source, holes, warp * 0).bent == 0
+
+
+def test_cells_laid_anew_by_hand():
+    """Four cells of which one shows its source twice as wide; that one at the border does not count; no slope."""
+    texture = discs([[10, 10], [10, 30], [30, 10], [30, 30]], (41, 41), 5)
+    extension = whole(texture)
+    moves = hungarian(extension, elements(texture.points)).moves
+    y, x = np.indices((41, 41))
+    cells = np.where((x - 20) ** 2 + (y - 20) ** 2 < 400, x // 21 + 2 * (y // 21), -1).astype(np.int32)
+    cells[:, 0] = 4
+    laid = extension.source.copy()
+    laid[..., 2] = np.where(cells == 1, x / 2, np.where(cells == 4, x / 9, x))
+    parts = extension, moves, np.ones((41, 41), bool), extension.source, np.zeros((41, 41), bool)
+    warp = np.zeros((41, 41, 2), np.float32)
+    verdict = judge_splice(*parts, warp, laid, cells)
+    assert verdict.bent == 0.25
+    assert verdict.slope == 0
+    assert judge_splice(*parts, warp, laid, np.full((41, 41), -1, np.int32)).bent == 0, "nothing was laid anew"
