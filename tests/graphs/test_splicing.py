@@ -103,8 +103,8 @@ def test_same_bytes(executor: str, workers: int):
 
 def test_a_pair_that_cannot_be_spliced_leaves_a_gap(tmp_path: Path):
     graph = gt.load(FOLDER / "splice-matrix.yaml")
-    lonely = prepare_texture(cropped("oranges")._replace(points=np.array([[40.0, 40.0]])))
-    result = gt.run(graph, {"textures": [prepared("tiles"), lonely]}, cache=tmp_path)
+    twice = prepare_texture(cropped("oranges")._replace(points=np.array([[40.0, 40.0], [40.0, 40.0]])))
+    result = gt.run(graph, {"textures": [prepared("tiles"), twice]}, cache=tmp_path)
     gaps = [isinstance(image, gt.Gap) for image in result["images"]]
     assert gaps[:2] == [False, True]
 

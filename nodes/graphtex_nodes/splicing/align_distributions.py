@@ -73,10 +73,13 @@ def align_distributions(
     Raises
     ------
     ValueError
-        Either has fewer than 2 textons, or points of the arrangement lie outside its picture.
+        Either has no texton, or several at one place, or points of the arrangement lie outside its picture.
 
     Notes
     -----
+    One texton has no distance to others. A single element counts as one in each window; the single place of an
+    arrangement stays where it is in its picture, is the only one, and neither `spread` nor `orientation` changes it.
+
     Textons at a border miss neighbours beyond it, which would make small samples look sparse; they do not count. The
     paper lays centroids on each other. A lattice is then half a cell off as often as not; here the middle is moved by
     the median displacement of a first assignment.
@@ -86,12 +89,15 @@ def align_distributions(
 
     checked(arrangement, "arrangement")
     for name, points in (("elements", elements.points), ("arrangement", arrangement.points)):
-        if len(points) < 2:
-            raise ValueError(
-                f"{name}: expected at least 2 textons, or there is no distance between them, got {len(points)}"
-            )
-    wanted = _pattern.spacing(elements.points, elements.image.shape[:2], neighbours)
+        if len(points) == 0:
+            raise ValueError(f"{name}: expected at least one texton, got none")
     size = arrangement.image.shape[:2]
+    if len(arrangement.points) == 1:
+        return _alone(elements, arrangement.points, size)
+    if len(elements.points) > 1:
+        wanted = _pattern.spacing(elements.points, elements.image.shape[:2], neighbours)
+    else:
+        wanted = float(np.sqrt(elements.width * elements.height))
     own = _pattern.spacing(arrangement.points, size, neighbours)
     if own == 0 or wanted == 0:
         name = "elements" if wanted == 0 else "arrangement"
@@ -114,6 +120,14 @@ def align_distributions(
     _, places, turn = min(tried, key=lambda entry: entry[0])
     count = len(places)
     return Alignment(Elements(places, np.zeros(count), np.ones(count)), scale, turn)
+
+
+def _alone(elements: Extension, points: Array, size: tuple[int, int]) -> Alignment:
+    """The only place of an arrangement where it is in its picture, which is fitted into the window."""
+    window, picture = np.array([elements.width, elements.height]), np.array(size[::-1])
+    scale = float((window / picture).min())
+    places = (points - (picture - 1) / 2) * scale + (window - 1) / 2
+    return Alignment(Elements(places, np.zeros(1), np.ones(1)), scale, 0.0)
 
 
 def _room(elements: Extension, distances: Array) -> float:

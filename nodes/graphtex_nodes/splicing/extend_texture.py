@@ -41,7 +41,8 @@ def extend_texture(
     The picture stays in the middle of the window. Copies of the whole picture are laid around it, one after the other:
     each where it agrees best (mean squared difference of colour and mask over the overlap, by FFT) among the places
     that cover much of what is still empty, joined by a minimum cut that avoids the elements. Mask, points and the
-    coordinates of all pixels follow.
+    coordinates of all pixels follow. Of a texture with a single element only what is around this is repeated, so that
+    there are elements to be arranged.
 
     Parameters
     ----------
@@ -76,7 +77,12 @@ def extend_texture(
             f"texture: expected a window of at most {int(LARGEST / factor**2)} pixels with factor {factor:g}, got "
             f"{window[0]} x {window[1]}: resample the texture or choose a smaller width and height"
         )
-    shifts, owner = _quilt(texture, (rows, columns), ctx)
+    if len(texture.points) == 1 and size != (rows, columns):
+        part, period = _lone_element(texture)
+        shifts, owner = _quilt(_part_of(texture, part), (rows, columns), ctx, period)
+        shifts -= [side.start for side in part]
+    else:
+        shifts, owner = _quilt(texture, (rows, columns), ctx)
     place = np.moveaxis(np.mgrid[:rows, :columns], 0, -1) - shifts[owner]
     source = np.zeros((rows, columns, 6), np.float32)
     source[..., 1:3] = place
@@ -101,8 +107,36 @@ def checked(texture: Texture, name: str = "texture") -> str:
     return checked_tag(texture.tag, f"{name}.tag")
 
 
-def _quilt(texture: Texture, size: tuple[int, int], ctx: Context) -> tuple[Array, Array]:
-    """Shift (row, column) of each piece, and which piece each pixel of the extension (h, w) comes from."""
+def _lone_element(texture: Texture) -> tuple[tuple[slice, slice], tuple[int, int]]:
+    """The part of a texture around its only element, and the distance (rows, columns) of its copies.
+
+    On each side there is ground, half as wide as the element if the picture reaches so far; half of it is overlapped.
+    """
+    pixels = np.argwhere(texton_labels(texture.mask, texture.points) == 0)
+    if not len(pixels):
+        return (slice(0, texture.mask.shape[0]), slice(0, texture.mask.shape[1])), texture.mask.shape
+    parts, period = [], []
+    for first, last, side in zip(pixels.min(axis=0), pixels.max(axis=0) + 1, texture.mask.shape, strict=True):
+        margin = -(-(last - first) // 4)
+        part = slice(max(0, int(first - margin)), min(side, int(last + margin)))
+        parts.append(part)
+        period.append(int(part.stop - part.start + last - first + 1) // 2)
+    return (parts[0], parts[1]), (period[0], period[1])
+
+
+def _part_of(texture: Texture, part: tuple[slice, slice]) -> Texture:
+    """A texture cut down to some rows and columns that hold all its points."""
+    corner = part[1].start, part[0].start
+    return Texture(texture.image[part], texture.mask[part], texture.points - corner, texture.tag)
+
+
+def _quilt(
+    texture: Texture, size: tuple[int, int], ctx: Context, period: tuple[int, int] | None = None
+) -> tuple[Array, Array]:
+    """Shift (row, column) of each piece, and which piece each pixel of the extension (h, w) comes from.
+
+    Pieces lie where they fit best, or at whole multiples of a period (rows, columns) from each other.
+    """
     from graphtex_nodes.splicing._fit import Fit
 
     rows, columns = texture.image.shape[:2]
@@ -118,8 +152,12 @@ def _quilt(texture: Texture, size: tuple[int, int], ctx: Context) -> tuple[Array
         distance = _distance(size)
         while (owner < 0).any():
             ctx.progress(float(np.mean(owner >= 0)), "extending")
-            wanted = int(np.where(owner < 0, distance, np.inf).argmin())
-            shift = fit.best(canvas, owner >= 0, divmod(wanted, size[1]), OVERLAP, GAIN)
+            wanted = divmod(int(np.where(owner < 0, distance, np.inf).argmin()), size[1])
+            if period:
+                top, left = (at - (at - begin) % step for at, begin, step in zip(wanted, first, period, strict=True))
+                shift = top, left
+            else:
+                shift = fit.best(canvas, owner >= 0, wanted, OVERLAP, GAIN)
             _join(features, canvas, owner, shift, len(shifts))
             shifts.append(shift)
     return np.array(shifts), owner

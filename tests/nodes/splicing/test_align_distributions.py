@@ -144,11 +144,27 @@ def test_kept_is_not_turned():
     assert align_distributions(elements, other, orientation="kept").angle == 0
 
 
+def test_a_single_place_stays_where_it_is_in_its_picture():
+    """A picture of 96 x 48 fits into a window of 64 x 64 at 2 / 3: its middle is (31.5, 31.5), 12 px left of it is 8."""
+    elements = extend_texture(discs(grid(), (64, 64)))
+    found = align_distributions(elements, discs([[47.5 - 12, 23.5 + 6]], (48, 96)))
+    np.testing.assert_allclose(found.target.points, [[31.5 - 8, 31.5 + 4]])
+    assert (found.scale, found.angle) == (pytest.approx(2 / 3), 0)
+
+
+def test_a_single_element_counts_as_one_in_each_window():
+    """A disc that fills its picture is not repeated within the extension: places are as far apart as windows."""
+    elements = extend_texture(discs([[32, 32]], (64, 64), 28))
+    assert len(elements.points) == 1
+    found = align_distributions(elements, discs(grid(16, (64, 64)), (64, 64), 5), neighbours=4)
+    assert found.scale == pytest.approx(64 / 16)
+
+
 @pytest.mark.parametrize(
     ("elements", "arrangement", "told"),
     [
-        ([], grid(), "elements: expected at least 2 textons.*got 0"),
-        (grid(), [[9, 9]], "arrangement: expected at least 2 textons.*got 1"),
+        ([], grid(), "elements: expected at least one texton, got none"),
+        (grid(), [], "arrangement: expected at least one texton, got none"),
         (grid(), [[9, 9], [9, 9]], "arrangement: expected textons at different places"),
     ],
 )

@@ -82,6 +82,36 @@ def test_few_elements_are_cut(name):
     assert np.mean(sizes(extension.labels, len(extension.points)) < 0.6 * usual) <= 0.05
 
 
+@pytest.mark.parametrize("tag", ["F=d", "F=c", "B=c"])
+def test_a_lone_element_is_repeated_with_ground_around_it(tag):
+    """A disc of 13 px, off the middle, every 13 + 4 px: the pieces reach 4 px around it and share half of that."""
+    noise = np.random.default_rng(1).normal(0, 0.02, (96, 96, 3))
+    y, x = np.mgrid[:96, :96]
+    mask = np.hypot(x - 30, y - 41) < 6.5
+    image = (np.where(mask[..., None], 0.8, 0.3) + noise).astype(np.float32)
+    extension = extend_texture(Texture(image, mask, np.array([[30.0, 41.0]]), tag))
+    columns, rows = (np.unique(extension.points[:, axis]) for axis in (0, 1))
+    np.testing.assert_array_equal(np.diff(columns), 17)
+    np.testing.assert_array_equal(np.diff(rows), 17)
+    assert len(extension.points) == len(columns) * len(rows) >= 64
+    inside = ((extension.points > 8) & (extension.points < 135)).all(axis=1)
+    sizes = np.bincount(extension.labels[extension.labels >= 0], minlength=len(extension.points))[inside]
+    np.testing.assert_array_equal(sizes, np.count_nonzero(mask))
+    row, column = np.moveaxis(extension.source[..., 1:3].astype(int), 2, 0)
+    np.testing.assert_array_equal(extension.image, image[row, column])
+
+
+def test_a_lone_element_that_fills_its_picture_stays_whole():
+    """It is no more than 14 px from the border: no copy is laid over it."""
+    y, x = np.mgrid[:128, :128]
+    mask = np.hypot(x - 64, y - 64) < 50
+    texture = Texture(np.where(mask[..., None], 0.8, 0.3).astype(np.float32), mask, np.array([[64.0, 64.0]]), "F=d")
+    extension = extend_texture(texture)
+    assert len(extension.points) == 1
+    assert np.count_nonzero(extension.labels == 0) == np.count_nonzero(mask)
+    np.testing.assert_array_equal(extend_texture(texture, factor=1.0).image, texture.image)
+
+
 def test_a_window_smaller_than_the_texture():
     texture = discs(grid(), (64, 64))
     extension = extend_texture(texture, width=20, height=30, factor=1.0)

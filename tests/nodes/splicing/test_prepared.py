@@ -74,8 +74,8 @@ def test_its_parts_are_those_of_the_window_that_is_asked_for():
 
 
 def test_a_window_without_an_element_is_told():
-    corner = EIGHT._replace(points=EIGHT.points[:1])
-    with pytest.raises(ValueError, match="got none of 1 for the middle 8 x 8 pixels of 64 x 64: shrink the picture"):
+    corner = EIGHT._replace(points=EIGHT.points[:2])
+    with pytest.raises(ValueError, match="got none of 2 for the middle 8 x 8 pixels of 64 x 64: shrink the picture"):
         prepare_texture(corner, width=8, height=8)
     with pytest.raises(ValueError, match="texture: expected at least one texton, got none"):
         prepare_texture(EIGHT._replace(points=np.empty((0, 2))))
