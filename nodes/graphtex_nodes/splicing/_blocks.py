@@ -26,7 +26,7 @@ SHARP = 0.86
 
 
 class Blocks(NamedTuple):
-    """Elements (n) of a wall that are neither cut by the picture's border nor ragged.
+    """Elements (n) of a wall that the picture shows with the joint around them, and that are not ragged.
 
     ``outlines`` and ``outward`` (n, CORNERS, 2) are corners and unit normals there, ``reach`` (n, CORNERS) how far, in
     pixels, the middle of the joint is. ``forms`` (n, 2, 2) are covariances of elements with the joint around them.
@@ -55,11 +55,16 @@ def blocks(mask: Array, points: Array) -> Blocks | None:
     reach = _reach(outlines, outward, owners, numbered)
     # the middle half: corners, and pockets where several joints meet, are not what is usual
     joint = float(np.sort(reach.ravel())[reach.size // 4 : -(reach.size // 4)].mean())
-    own = [moments(outline) for outline in outlines]
-    forms = np.stack([moments(outline).covariance for outline in outlines + joint * outward])
-    radius = float(np.sqrt(np.median([each.area for each in own]) / np.pi))
-    corners = float(np.median([corner for *_, corner in found]))
-    return Blocks(outlines, outward, np.minimum(reach, 2 * joint), forms, joint, corners * radius, radius)
+    laid = outlines + joint * outward
+    # of others, the picture does not show the joint all around
+    whole = ((laid >= -0.5) & (laid <= np.array(mask.shape[::-1]) - 0.5)).all(axis=(1, 2))
+    if np.count_nonzero(whole) < LEAST:
+        return None
+    forms = np.stack([moments(outline).covariance for outline in laid[whole]])
+    radius = float(np.sqrt(np.median([moments(outline).area for outline in outlines]) / np.pi))
+    corners = float(np.median([corner for *_, corner in found])) * radius
+    reach = np.minimum(reach, 2 * joint)
+    return Blocks(outlines[whole], outward[whole], reach[whole], forms, joint, corners, radius)
 
 
 def shape(covariance: Array) -> Array:
@@ -114,7 +119,9 @@ def _mended(element: Array, cell: Array, radius: float) -> Array:
     """An element (h, w) without bites and whiskers, within its cell."""
     from scipy.ndimage import binary_fill_holes, label
 
-    closed = binary_fill_holes(_grown(_grown(element, BITE * radius), -BITE * radius)) & cell
+    more = int(np.ceil(BITE * radius)) + 1
+    closed = _grown(_grown(np.pad(element, more), BITE * radius), -BITE * radius)[more:-more, more:-more]
+    closed = binary_fill_holes(closed) & cell
     opened = _grown(_grown(closed, -WHISKER * radius), WHISKER * radius)
     parts = label(opened if opened.any() else closed)[0]
     mended: Array = parts == np.bincount(parts[parts > 0]).argmax()

@@ -191,7 +191,7 @@ def _chosen(found: Blocks, places: Array, size: tuple[int, int], picture: tuple[
     own = np.stack([shape(form) for form in found.forms])
     unlike = ((wanted[:, None] - own) ** 2).sum(axis=2)
     sides, period = np.array(size[::-1]), np.array(picture[::-1])
-    usual = float(np.median(distances(places))) if len(places) > 1 else 1.0
+    usual = max(float(np.median(distances(places))), 1.0) if len(places) > 1 else 1.0
     rings = np.ceil((sides / period - 1) / 2).astype(int)
     while np.prod(2 * rings + 1) * len(own) < SPARE * len(places):
         rings += 1

@@ -183,3 +183,11 @@ def test_shapes_of_cells():
     sizes = cell_shapes(owner, 3)
     assert sizes[0, 0] - sizes[1, 0] == pytest.approx(np.sqrt(2) * np.log(2), rel=0.02)
     np.testing.assert_allclose(sizes[1], sizes[2])
+
+
+def test_blocks_have_their_joint_in_the_picture():
+    """Bricks whose joint the border cuts off are not used: a picture that ends 1 pixel below a row has that row no more."""
+    texture = wall()
+    cut = texture.mask[:65], texture.points[texture.points[:, 1] < 65]
+    assert blocks(*cut).outlines[..., 1].max() < 48
+    assert blocks(texture.mask[:67], cut[1]).outlines[..., 1].max() > 60
