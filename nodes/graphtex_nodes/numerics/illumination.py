@@ -26,16 +26,22 @@ def log_brightness(image: Array) -> Array:
     return result
 
 
-def light_trend(image: Array) -> Array:
-    """Weights (5,) of the polynomial's terms x, y, x², x y and y², over coordinates from -1 to 1 less their means."""
+def light_trend(image: Array, elements: Array | None = None) -> Array:
+    """Weights (5,) of the polynomial's terms x, y, x², x y and y², over coordinates from -1 to 1 less their means.
+
+    Where it is known what lies in elements (h, w), these may be brighter or darker than the rest all over: one bright
+    element in the middle of a picture is not taken for light there.
+    """
     bright = log_brightness(image)
     terms = _terms(bright.shape, WHOLE)
+    if elements is not None:
+        terms = [*terms, elements - elements.mean()]
     gram = np.array([[(a * b).sum() for b in terms] for a in terms])
     if np.trace(gram) <= 0:
-        return np.zeros(len(terms))
+        return np.zeros(5)
     side = np.array([(term * bright).sum() for term in terms])
     weights: Array = np.linalg.solve(gram + 1e-9 * np.trace(gram) * np.eye(len(terms)), side)
-    return weights
+    return weights[:5]
 
 
 def without_trend(

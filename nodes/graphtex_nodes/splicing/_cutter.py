@@ -18,7 +18,7 @@ from graphtex_nodes.splicing._colours import (
 )
 from graphtex_nodes.splicing._joints import Joints, along_joints, joints_around
 from graphtex_nodes.splicing._nearness import distances, places_in
-from graphtex_nodes.splicing._partitions import without_small_holes
+from graphtex_nodes.splicing._partitions import LEAST_COUNT, without_small_holes
 
 Array = NDArray[Any]
 
@@ -187,8 +187,11 @@ def _seeds(known: Array, elements: Elements | None, width: float, height: float,
 def _inner(shape: tuple[int, ...], elements: Elements, width: float, height: float) -> Array:
     """Where no element lies whose middle is beyond the picture's border, unseen; everywhere if there is no such place.
 
-    Elements that touch leave little ground: what is farthest from all that were found is then parts of such ones.
+    Elements that touch leave little ground: what is farthest from all that were found is then parts of such ones. A
+    few elements are no pattern that goes on there, and what is so far from the border may be within one of them.
     """
+    if len(elements.points) < LEAST_COUNT:
+        return np.ones(shape, bool)
     margin = int(np.ceil(max(width, height) * np.median(elements.scales) / 2))
     inner = np.zeros(shape, bool)
     inner[margin : shape[0] - margin, margin : shape[1] - margin] = True

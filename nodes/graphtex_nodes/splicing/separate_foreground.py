@@ -100,6 +100,7 @@ def separate_foreground(
     from graphtex_nodes.splicing._cutter import Cutter
     from graphtex_nodes.splicing._detection import reduced
     from graphtex_nodes.splicing._joints import along_joints
+    from graphtex_nodes.splicing._nearness import distances
     from graphtex_nodes.splicing._outlines import nearest_indices, reduction, refined_labels, refined_outlines
     from graphtex_nodes.splicing.texton_labels import texton_labels
 
@@ -112,7 +113,13 @@ def separate_foreground(
     at = np.ix_(*nearest_indices(small.shape[:2], known.shape, 1 / step))
     ours, theirs = (maximum_filter(known == sign, int(np.ceil(step)))[at].astype(np.int8) for sign in (1, -1))
     scaled = None if elements is None else elements._replace(points=elements.points / step)
-    cutter = Cutter(colours, clusters, sigma, smoothness, light_trend(small) if even_light else None)
+    trend = None
+    if even_light:
+        inside = None
+        if scaled is not None and side > 0:
+            inside = distances(small.shape[:2], scaled, width / step, height / step)[0] < 1
+        trend = light_trend(small, inside)
+    cutter = Cutter(colours, clusters, sigma, smoothness, trend)
     mask = cutter.cut(small, ours - theirs, scaled, width / step, height / step, ctx)
     labels = label(mask)[0] if scaled is None else texton_labels(mask, scaled.points) + 1
     if step > 1:

@@ -44,6 +44,21 @@ def test_automatic(name, spoiled):
     assert overlap(cut(np.clip(image, 0, 1)).mask, made.mask) >= 0.9
 
 
+@pytest.mark.parametrize("ramp", [1.0, 0.5])
+@pytest.mark.parametrize("side", [60, 76])
+def test_a_lone_element_is_no_light_in_the_middle(side, ramp):
+    """A grey disc, 48 px wide and mottled, on darker mottled ground; its margins are not the ground, either."""
+    rng = np.random.default_rng(2)
+    middle = (side - 1) / 2
+    y, x = np.mgrid[:side, :side]
+    truth = np.hypot(x - middle, y - middle) < 24
+    mottle = gaussian_filter(rng.normal(0, 1, (side, side)), 1.0)
+    image = np.where(truth, 0.55, 0.2) * np.exp(0.25 * mottle / mottle.std()) * np.linspace(1, ramp, side)
+    image = np.repeat(image[..., None], 3, axis=2).clip(0, 1).astype(np.float32)
+    one = Elements(np.array([[middle, middle]]), np.zeros(1), np.ones(1))
+    assert overlap(separate_foreground(image, one, width=48.0, height=48.0).mask, truth) >= 0.9
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_gaps_between_touching_elements(seed, noise):
