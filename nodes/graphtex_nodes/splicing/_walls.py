@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.splicing._blocks import CORNERS, SMOOTH, Blocks, shape
+from graphtex_nodes.splicing._blocks import CORNERS, SMOOTH, Blocks
 from graphtex_nodes.splicing._polygons import around, evenly, mean_value_coordinates
 
 Array = NDArray[Any]
@@ -17,7 +17,7 @@ FINER = 8
 BESIDE = 3
 """Pixels around a cell that smoothing its border looks at."""
 LEAST = 9
-"""Pixels of a cell that are needed to tell its shape."""
+"""Pixels of a cell that are needed to tell its form."""
 
 
 class Cells(NamedTuple):
@@ -65,27 +65,36 @@ def _growth(offsets: Array, metric: Array) -> Array:
     return result
 
 
-def cell_shapes(owner: Array, count: int) -> Array:
-    """Shapes (count, 3) of cells (h, w); the median's for those of hardly any pixels."""
+def turned(forms: Array, angles: Array, scales: Array) -> Array:
+    """Covariances (n, 2, 2) of what is turned by angles (degrees, clockwise) and sized."""
+    cos, sin = np.cos(np.radians(angles)), np.sin(np.radians(angles))
+    turn = np.array([[cos, -sin], [sin, cos]]).transpose(2, 0, 1)
+    result: Array = np.einsum("nij,njk,nlk->nil", turn, forms, turn) * scales[:, None, None] ** 2
+    return result
+
+
+def cell_forms(owner: Array, count: int) -> Array:
+    """Covariances (count, 2, 2) of cells (h, w); the median's for those of hardly any pixels."""
     rows, columns = np.indices(owner.shape).reshape(2, -1)
     index = owner.ravel()
     size = np.maximum(np.bincount(index, minlength=count), 1)
     apart = [values - (np.bincount(index, values, count) / size)[index] for values in (columns, rows)]
     spread = [[np.bincount(index, one * other, count) / size for one in apart] for other in apart]
-    covariances = np.array(spread).transpose(2, 0, 1) + np.eye(2) / 12
-    shapes = np.array([shape(each) for each in covariances])
+    forms: Array = np.array(spread).transpose(2, 0, 1) + np.eye(2) / 12
     large = size >= LEAST
     if large.any():
-        shapes[~large] = np.median(shapes[large], axis=0)
-    return shapes
+        forms[~large] = np.median(forms[large], axis=0)
+    return forms
 
 
-def drawn(divided: Cells, number: int, part: tuple[slice, slice], kind: int, blocks: Blocks) -> tuple[Array, Array]:
+def drawn(
+    divided: Cells, number: int, part: tuple[slice, slice], kind: int, angle: float, blocks: Blocks
+) -> tuple[Array, Array]:
     """For the pixels of a cell, in order, their places (m, 2) in the wall's picture, and which are not joint.
 
-    The block's outline is laid around what is left of the cell without half a joint along its border, with corners as
-    round as the block's: its inside follows (mean value coordinates). In the joint, pixels as far from the
-    outline as there are in the wall.
+    The outline of the block, turned by an angle, is laid around what is left of the cell without half a joint along its
+    border, with corners as round as the block's: its inside follows (mean value coordinates). In the joint, pixels as
+    far from the outline as there are in the wall.
     """
     corner = np.array([part[1].start, part[0].start])
     cell = divided.owner[part] == number
@@ -97,7 +106,7 @@ def drawn(divided: Cells, number: int, part: tuple[slice, slice], kind: int, blo
     if outline is None:
         return np.tile(own.mean(axis=0), (len(pixels), 1)), np.zeros(len(pixels), bool)
     outline = evenly(outline, CORNERS)
-    first = _start(own, outline)
+    first = _start(own, outline, angle)
     own, outward, reach = (np.roll(each[kind], -first, axis=0) for each in blocks[:3])
     inside = field[rows, columns] > 0
     places = np.empty((len(pixels), 2))
@@ -128,9 +137,11 @@ def _left(divided: Cells, number: int, part: tuple[slice, slice], blocks: Blocks
     return field[tuple(slice(first, first + side.stop - side.start) for first, side in zip(before, part, strict=True))]
 
 
-def _start(own: Array, outline: Array) -> int:
-    """Which corner of a block's outline is laid on the first one of another, so that they lie best on each other."""
+def _start(own: Array, outline: Array, angle: float) -> int:
+    """Which corner of a block's outline, turned, is laid on the first one of another, so that they agree best."""
     one, other = ((each - each.mean(axis=0)) / each.std() for each in (own, outline))
+    cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    one = np.stack([cos * one[:, 0] - sin * one[:, 1], sin * one[:, 0] + cos * one[:, 1]], axis=1)
     agreement = [float((np.roll(one, -first, axis=0) * other).sum()) for first in range(len(one))]
     return int(np.argmax(agreement))
 

@@ -6,19 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from graphtex import QUIET, Axes, Context, Image, LabelMap, Mask, SourceMap, Texture, node
+from graphtex import QUIET, Axes, Context, Elements, Image, LabelMap, Mask, SourceMap, Texture, node
 from graphtex_nodes.splicing._blocks import Blocks, blocks
 from graphtex_nodes.splicing.values import Extension, Moves
 
 Array = NDArray[Any]
 
-ROUGH = 0.2
-"""A warp cannot follow if neighbours are to go so far apart, over their distance, in the median."""
+ROUGH, OTHER = 0.2, 1.3
+"""A warp cannot follow if, in the median, neighbours are to go so far apart over their distance, or elements to be
+turned and sized so much; or if there are so many times more or fewer places than elements."""
 NEIGHBOURS = 6
 FEW = 0.25
-GAP, LEAST_GAP = 1.2, 1.3
-"""A place gets an element, too, if it is so many times farther from all others than few of their cells reach, and so
-many radii of elements: walls have no gaps."""
+GAP, LEAST_GAP, MOST_GAP = 1.2, 1.3, 2.3
+"""Walls have no gaps: a place gets an element, too, if it is so many times farther from all others than few of their
+cells reach, and at least so many radii of elements. Cells that reach farther than so many are those of an arrangement
+with gaps everywhere, such as a line."""
 MARGIN = 2.0
 """Radii of cells by which walls are laid beyond the window, so that cells at its border have neighbours."""
 FAR = 0.05
@@ -68,7 +70,7 @@ def retile(
     texture
         The texture that the elements come from (not its extension).
     elements, moves
-        Its extension, for the window that is filled, and where its textons go. Angles and scales do not count.
+        Its extension, for the window that is filled, and where its textons go.
     image, mask, source, holes
         From `Rasterize`.
 
@@ -76,7 +78,8 @@ def retile(
     -------
     Retiling
         Ready for `Refine`. A wall laid anew has no holes. Other tags, textures with wide joints, and arrangements that
-        a warp can follow stay what they are: if neighbours go less than a fifth of their distance apart, in the median.
+        a warp can follow stay what they are: if, in the median, neighbours go less than a fifth of their distance apart
+        and elements are turned and sized no more than that, and if there are about as many places as elements.
         ``cells`` has the place that each pixel belongs to, -1 everywhere in what was not laid anew.
 
     Raises
@@ -105,7 +108,7 @@ def retile(
     if len(moves.points) != len(elements.points):
         raise ValueError(f"moves: expected {len(elements.points)} textons as elements, got {len(moves.points)}")
     given = Retiling(image, mask, source, holes, np.full(size, -1, np.int32))
-    if when == "never" or tag != "B=c" or _roughness(moves) <= ROUGH:
+    if when == "never" or tag != "B=c" or not _stiff(elements, moves):
         return given
     if not jointed(texture.mask, texton_labels(texture.mask, texture.points)):
         return given
@@ -113,36 +116,46 @@ def retile(
     if found is None:
         ctx.warn("the wall is not laid anew: nearly all its elements are ragged, or cut by the border of the picture")
         return given
-    places = moves.targets[moves.matched > 0] - (elements.left, elements.top)
-    return _laid(texture, found, places, size, ctx)
+    given_place = moves.matched > 0
+    target = Elements(
+        moves.targets[given_place] - (elements.left, elements.top), moves.angles[given_place], moves.scales[given_place]
+    )
+    return _laid(texture, found, target, size, ctx)
 
 
-def _roughness(moves: Moves) -> float:
-    """Median of how far neighbours are to go apart over their distance."""
+def _stiff(elements: Extension, moves: Moves) -> bool:
+    """Whether a warp cannot do what is asked of a wall."""
     from scipy.spatial import cKDTree
 
     matched = moves.matched > 0
     points, shifts = moves.points[matched], (moves.targets - moves.points)[matched]
     if len(points) < 2:
-        return 0.0
+        return False
+    low, high = np.array([elements.left, elements.top]), np.array([elements.width, elements.height])
+    own, wanted = (
+        np.count_nonzero(((places >= low) & (places < low + high)).all(axis=1)) + 1
+        for places in (moves.points, moves.targets[matched])
+    )
     count = min(NEIGHBOURS, len(points) - 1)
     distance, index = cKDTree(points).query(points, k=[*range(2, count + 2)])
     apart = np.hypot(*np.moveaxis(shifts[index] - shifts[:, None], -1, 0))
-    return float(np.median(apart / np.maximum(distance, 1e-9)))
+    changed = np.abs(moves.scales[matched] * np.exp(1j * np.radians(moves.angles[matched])) - 1)
+    rough = max(float(np.median(apart / np.maximum(distance, 1e-9))), float(np.median(changed)))
+    return rough > ROUGH or not 1 / OTHER <= wanted / own <= OTHER
 
 
-def _laid(texture: Texture, found: Blocks, places: Array, size: tuple[int, int], ctx: Context) -> Retiling:
-    """Fill a window (height, width) with blocks at places (n, 2)."""
+def _laid(texture: Texture, found: Blocks, target: Elements, size: tuple[int, int], ctx: Context) -> Retiling:
+    """Fill a window (height, width) with blocks."""
     from scipy.ndimage import find_objects
 
-    from graphtex_nodes.splicing._walls import cells, drawn
+    from graphtex_nodes.splicing._walls import cells, drawn, turned
     from graphtex_nodes.splicing.rasterize import sampled
 
     margin = int(np.ceil(MARGIN * (found.radius + found.joint)))
     whole = size[0] + 2 * margin, size[1] + 2 * margin
-    places = _without_gaps(places + margin, found, whole)
-    kinds = _chosen(found, places, whole, texture.mask.shape)
-    divided = cells(places, found.forms[kinds], whole)
+    target = _without_gaps(target._replace(points=target.points + margin), found, whole)
+    kinds = _chosen(found, target, whole, texture.mask.shape)
+    divided = cells(target.points, turned(found.forms[kinds], target.angles, target.scales), whole)
     window = np.s_[margin : margin + size[0], margin : margin + size[1]]
     spots, inside = np.zeros((*whole, 2)), np.zeros(whole, bool)
     parts = find_objects(divided.owner + 1)
@@ -151,23 +164,29 @@ def _laid(texture: Texture, found: Blocks, places: Array, size: tuple[int, int],
         ctx.progress(float(number) / len(parts), "laying the wall")
         part = parts[number]
         cell = divided.owner[part] == number
-        spots[part][cell], inside[part][cell] = drawn(divided, number, part, int(kinds[number]), found)
+        spots[part][cell], inside[part][cell] = drawn(
+            divided, number, part, int(kinds[number]), float(target.angles[number]), found
+        )
     spots = np.clip(spots[window], 0, np.array(texture.mask.shape[::-1]) - 1).astype(np.float32)
     source = np.zeros((*size, 6), np.float32)
     source[..., 1:3] = spots[..., ::-1]
     return Retiling(sampled(texture.image, spots), inside[window], source, np.zeros(size, bool), shown)
 
 
-def _without_gaps(places: Array, found: Blocks, size: tuple[int, int]) -> Array:
-    """Places (n, 2) in a window, and some in its gaps."""
+def _without_gaps(target: Elements, found: Blocks, size: tuple[int, int]) -> Elements:
+    """Places in a window, and some in its gaps."""
     from graphtex_nodes.splicing._tiling import without_gaps
 
-    distance, index = _nearest(places, size)
-    reach = np.zeros(len(places))
+    count = len(target.points)
+    distance, index = _nearest(target.points, size)
+    reach = np.zeros(count)
     np.maximum.at(reach, index.ravel(), distance.ravel())
     usual = float(np.quantile(reach[reach > 0], FEW))
-    widest = max(GAP * usual, LEAST_GAP * (found.radius + found.joint))
-    return without_gaps(places, widest, np.full(2, -widest), np.array(size[::-1]) + widest)
+    radius = found.radius + found.joint
+    widest = LEAST_GAP * radius if usual > MOST_GAP * radius else max(GAP * usual, LEAST_GAP * radius)
+    points = without_gaps(target.points, widest, np.full(2, -widest), np.array(size[::-1]) + widest)
+    more = len(points) - count
+    return Elements(points, np.pad(target.angles, (0, more)), np.pad(target.scales, (0, more), constant_values=1))
 
 
 def _nearest(places: Array, size: tuple[int, int]) -> tuple[Array, Array]:
@@ -179,17 +198,18 @@ def _nearest(places: Array, size: tuple[int, int]) -> tuple[Array, Array]:
     return np.asarray(distance), np.asarray(index)
 
 
-def _chosen(found: Blocks, places: Array, size: tuple[int, int], picture: tuple[int, ...]) -> Array:
-    """Which block is laid at each place (n, 2) of a window: of copies of the picture beside each other, what fits."""
+def _chosen(found: Blocks, target: Elements, size: tuple[int, int], picture: tuple[int, ...]) -> Array:
+    """Which block is laid at each place of a window: of copies of the picture beside each other, what fits."""
     from scipy.optimize import linear_sum_assignment
 
     from graphtex_nodes.splicing._blocks import shape
     from graphtex_nodes.splicing._pattern import distances
-    from graphtex_nodes.splicing._walls import cell_shapes
+    from graphtex_nodes.splicing._walls import cell_forms, turned
 
-    wanted = cell_shapes(_nearest(places, size)[1], len(places))
+    places = target.points
+    wanted = turned(cell_forms(_nearest(places, size)[1], len(places)), -target.angles, 1 / target.scales)
     own = np.stack([shape(form) for form in found.forms])
-    unlike = ((wanted[:, None] - own) ** 2).sum(axis=2)
+    unlike = ((np.stack([shape(form) for form in wanted])[:, None] - own) ** 2).sum(axis=2)
     sides, period = np.array(size[::-1]), np.array(picture[::-1])
     usual = max(float(np.median(distances(places))), 1.0) if len(places) > 1 else 1.0
     rings = np.ceil((sides / period - 1) / 2).astype(int)

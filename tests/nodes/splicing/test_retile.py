@@ -4,7 +4,7 @@ import pytest
 from graphtex import Context, Texture
 from graphtex_nodes import extend_texture, hungarian, retile
 from graphtex_nodes.splicing._blocks import blocks, shape
-from graphtex_nodes.splicing._walls import cell_shapes, cells
+from graphtex_nodes.splicing._walls import cell_forms, cells, turned
 from tests.nodes.splicing.scenes import discs, elements, grid
 
 JOINT = 4
@@ -161,8 +161,7 @@ def test_shapes_differ_by_the_logarithm():
     wide, tall = shape(np.diag([4.0, 1.0])), shape(np.diag([1.0, 4.0]))
     assert np.linalg.norm(wide - tall) == pytest.approx(np.linalg.norm(np.log([4, 1]) - np.log([1, 4])))
     turn = np.array([[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]])
-    turned = shape(turn @ np.diag([4.0, 1.0]) @ turn.T)
-    assert np.linalg.norm(turned) == pytest.approx(np.linalg.norm(wide))
+    assert np.linalg.norm(shape(turn @ np.diag([4.0, 1.0]) @ turn.T)) == pytest.approx(np.linalg.norm(wide))
 
 
 def test_cells_are_split_by_growth():
@@ -175,18 +174,45 @@ def test_cells_are_split_by_growth():
     np.testing.assert_array_equal(owner[24, :46], np.arange(46) > 20 + 0.75 * 20.5)
 
 
-def test_shapes_of_cells():
-    """One is twice as large as the other, of the same form."""
-    owner = np.ones((40, 40), int)
+def test_forms_of_cells_are_those_of_rectangles():
+    owner = np.ones((40, 60), int)
     owner[:20] = 0
     owner[20:, 20:] = 2
-    sizes = cell_shapes(owner, 3)
-    assert sizes[0, 0] - sizes[1, 0] == pytest.approx(np.sqrt(2) * np.log(2), rel=0.02)
-    np.testing.assert_allclose(sizes[1], sizes[2])
+    owner[39, 59] = 3
+    forms = cell_forms(owner, 4)
+    np.testing.assert_allclose(forms[0], np.diag([60**2, 20**2]) / 12, atol=1e-9)
+    np.testing.assert_allclose(forms[1], np.diag([20**2, 20**2]) / 12, atol=1e-9)
+    np.testing.assert_allclose(forms[3], np.median(forms[:3], axis=0))
+
+
+def test_forms_are_turned_and_sized():
+    forms = turned(np.array([np.diag([4.0, 1]), np.diag([4.0, 1])]), np.array([90.0, 45]), np.array([1.0, 2]))
+    np.testing.assert_allclose(forms, [[[1, 0], [0, 4]], [[10, 6], [6, 10]]], atol=1e-12)
+
+
+def test_elements_turn_where_their_places_do():
+    """Bricks at places turned by 90 degrees stand upright: a mark at the left end of each is on top."""
+    texture = wall()
+    image = texture.image.copy()
+    for x, y in texture.points:
+        image[round(y) - 2 : round(y) + 3, max(round(x) - 12, 0) : max(round(x) - 8, 0)] = [0, 0, 1]
+    texture = texture._replace(image=image)
+    places = np.stack(np.meshgrid(np.arange(8.0, 160, 16), np.arange(16.0, 128, 32)), axis=-1).reshape(-1, 2)
+    extension = extend_texture(texture)
+    moves = hungarian(extension, elements(places, angles=90)).moves
+    nothing = np.zeros((128, 160), bool)
+    found = retile(texture, extension, moves, image, nothing, np.zeros((128, 160, 6), np.float32), nothing)
+    for px, py in places[(places[:, 0] > 20) & (places[:, 0] < 140) & (places[:, 1] > 20) & (places[:, 1] < 100)]:
+        own = found.cells == found.cells[round(py), round(px)]
+        y, x = np.nonzero(own & found.mask)
+        assert np.ptp(y) > 1.7 * np.ptp(x)
+        y, x = np.nonzero(own & (found.image[..., 2] - found.image[..., 0] > 0.5))
+        assert y.mean() < py - 6
+        assert abs(x.mean() - px) < 2
 
 
 def test_blocks_have_their_joint_in_the_picture():
-    """Bricks whose joint the border cuts off are not used: a picture that ends 1 pixel below a row has that row no more."""
+    """Bricks whose joint the border cuts are not used, as of a row that the picture ends 1 pixel below."""
     texture = wall()
     cut = texture.mask[:65], texture.points[texture.points[:, 1] < 65]
     assert blocks(*cut).outlines[..., 1].max() < 48
