@@ -94,8 +94,8 @@ def _count(share: Array, allowed: Flags | None) -> int:
 
 
 def charge(
-    share: Array, relief: Array, field: Field, mean: float, *, evenness: float, radius: int, allowed: Flags | None,
-    wanted: Flags | None,
+    share: Array, relief: Array, field: Field, mean: float, *, evenness: float, radius: int, step: int,
+    allowed: Flags | None, wanted: Flags | None,
 ) -> Array | None:  # fmt: skip
     """What each exemplar window (h, w) costs for being used more often than wanted; None where it has a price instead.
 
@@ -109,12 +109,21 @@ def charge(
         What a window that is used twice as often as wanted pays in mean squared distances.
     radius
         Windows around one that count as the same place.
+    step
+        Distance of neighbouring windows of the output in pixels.
     wanted
         Output windows (rows, columns) that look for a source, if not all do: then there are no prices.
+
+    However seldom windows of a large stock should be used, nothing is charged where a piece is copied once as it is:
+    else all would flee from whatever they agree on, and nothing but smooth places would be left.
     """
     if evenness <= 0 or mean <= 0 or (wanted is None and _count(share, allowed) <= MOST_PLACES):
         return None
     used = usage(field if wanted is None else field[wanted], share.shape, radius, allowed)
+    if wanted is None:
+        side = 2 * radius + 1
+        once = (-(-side // step) / side) ** 2 * _count(share, allowed) / field[..., 0].size
+        share = np.maximum(share, np.float32(once))
     result: Array = np.maximum(0, used / share - 1) * relief * np.float32(evenness * mean)
     return result
 
