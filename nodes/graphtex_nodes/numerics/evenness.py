@@ -10,6 +10,7 @@ from graphtex_nodes.numerics.window_mean import window_mean
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
 Flags = NDArray[np.bool_]
+Homes = NDArray[np.intp]
 
 CROWDED = 0.05
 """What a window pays for each copy around, in variances of the exemplar's windows times the evenness."""
@@ -95,7 +96,7 @@ def _count(share: Array, allowed: Flags | None) -> int:
 
 def charge(
     share: Array, relief: Array, field: Field, mean: float, *, evenness: float, radius: int, step: int,
-    allowed: Flags | None, wanted: Flags | None,
+    allowed: Flags | None, wanted: Flags | None, homes: Homes | None = None,
 ) -> Array | None:  # fmt: skip
     """What each exemplar window (h, w) costs for being used more often than wanted; None where it has a price instead.
 
@@ -113,19 +114,47 @@ def charge(
         Distance of neighbouring windows of the output in pixels.
     wanted
         Output windows (rows, columns) that look for a source, if not all do: then there are no prices.
+    homes
+        See :func:`homes`: of windows that show the same place not one alone is charged, but all for their use together.
 
     However seldom windows of a large stock should be used, nothing is charged where a piece is copied once as it is:
     else all would flee from whatever they agree on, and nothing but smooth places would be left.
     """
     if evenness <= 0 or mean <= 0 or (wanted is None and _count(share, allowed) <= MOST_PLACES):
         return None
-    used = usage(field if wanted is None else field[wanted], share.shape, radius, allowed)
+    chosen = field if wanted is None else field[wanted]
+    used = usage(chosen, share.shape, radius, allowed)
     if wanted is None:
         side = 2 * radius + 1
         once = (-(-side // step) / side) ** 2 * _count(share, allowed) / field[..., 0].size
         share = np.maximum(share, np.float32(once))
-    result: Array = np.maximum(0, used / share - 1) * relief * np.float32(evenness * mean)
+    over = used / share
+    if homes is not None:
+        shown = np.bincount(homes[chosen[..., 0], chosen[..., 1]].ravel(), minlength=int(homes.max()) + 1) * step**2
+        over = np.maximum(over, (shown / max(radius**2, shown.mean())).astype(np.float32)[homes])
+    result: Array = np.maximum(0, over - 1) * relief * np.float32(evenness * mean)
     return result
+
+
+def homes(origin: Array, shape: tuple[int, int], window: int, level: int) -> Homes:
+    """Number of the place (h, w) that each window shows: squares of half its side, in pixels of its level.
+
+    Parameters
+    ----------
+    origin
+        Index, row and column (eh, ew, 3) of what each pixel of the exemplar shows on the finest level.
+    shape, window, level
+        Rows and columns of the exemplar's windows, their side, and the level whose pixels are 2 ** level wide.
+    """
+    middles = [
+        np.minimum(((np.arange(count) + window / 2) * 2**level).astype(np.intp), most - 1)
+        for count, most in zip(shape, origin.shape, strict=False)
+    ]
+    shown = origin[np.ix_(*middles)].astype(np.intp)
+    shown[..., 1:] //= max(1, window // 2) << level
+    high = shown.max(axis=(0, 1)) + 1
+    numbers = (shown[..., 0] * high[1] + shown[..., 1]) * high[2] + shown[..., 2]
+    return np.unique(numbers, return_inverse=True)[1].reshape(shape)
 
 
 def crowding(field: Field, shape: tuple[int, int], step: int) -> tuple[Array, int]:

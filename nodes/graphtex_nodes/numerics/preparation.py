@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from graphtex_nodes.numerics import evenness
+from graphtex_nodes.numerics.evenness import Homes
 from graphtex_nodes.numerics.frames import Frame, nearest_places, whole_windows
 from graphtex_nodes.numerics.guidance import random_blocks
 from graphtex_nodes.numerics.histogram import Histograms
@@ -44,6 +45,8 @@ class Windows:
         What prices are found from; None where there are none.
     variance
         Total variance of the coordinates where copies are charged for being close together, else 0.
+    homes
+        Number of the place that each shows (h, w) where some show the same; else None.
     """
 
     basis: Basis
@@ -55,6 +58,7 @@ class Windows:
     nearest: Field | None
     market: Market | None
     variance: float
+    homes: Homes | None = None
 
 
 @dataclass(frozen=True)
@@ -112,7 +116,10 @@ def exemplar_windows(
         if evenness.crowded(share, evenness=settings.evenness, allowed=allowed):
             variance = float(features.var(axis=(0, 1), dtype=np.float64).sum())
     relief = evenness.local_relief(exemplar[..., :colours], window)
-    return Windows(basis, features, histograms, relief, share, allowed, nearest, market, variance)
+    homes = None
+    if problem.origin is not None:
+        homes = evenness.homes(problem.origin, (share.shape[0], share.shape[1]), window, stage.level)
+    return Windows(basis, features, histograms, relief, share, allowed, nearest, market, variance, homes)
 
 
 def quick(stage: Stage, given: Given) -> bool:

@@ -84,6 +84,9 @@ class Problem:
         Output pixels that stay as ``start`` has them; None = none.
     wrap
         Whether the output continues over its lower and upper border, and over its right and left one.
+    origin
+        Index, row and column (h, w, 3) of what each pixel of the exemplar shows, if it holds copies of one picture that
+        together should not be used more often than that; else None.
     """
 
     exemplar: Array
@@ -96,6 +99,7 @@ class Problem:
     start: Array | None = None
     known: Flags | None = None
     wrap: tuple[bool, bool] = (False, False)
+    origin: Array | None = None
 
     @property
     def led(self) -> bool:

@@ -130,11 +130,11 @@ def channel_weights(weights: Sequence[float], kinds: Sequence[MapKind], channels
 def pose(
     exemplar: Array, size: tuple[int, int], scales: Scales, work: Work, *, directions: Directions | None = None,
     usable: Flags | None = None, start: Array | None = None, known: Flags | None = None,
-    wrap: tuple[bool, bool] = (False, False), weights: Sequence[float] = (),
+    wrap: tuple[bool, bool] = (False, False), weights: Sequence[float] = (), origin: Array | None = None,
 ) -> Problem:  # fmt: skip
     """The problem of filling ``size`` with the usable part of the exemplar, guided by what scale and direction tell.
 
-    ``weights`` of the exemplar's channels are those that differences of colour will have.
+    ``weights`` of the exemplar's channels are those that differences of colour will have; ``origin`` is the problem's.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def pose(
             raise ValueError('scale_mode: expected "fixed" beside target_angle, got "free"')
         guides.append(_direction_guide(colours, size, directions, chosen, asked, work))
     if not guides:
-        return Problem(exemplar, size, usable=usable, start=start, known=known, wrap=wrap)
+        return Problem(exemplar, size, usable=usable, start=start, known=known, wrap=wrap, origin=origin)
     channels, targets, shares = zip(*guides, strict=True)
     importance = None
     if targets[0] is not None:
@@ -174,7 +174,7 @@ def pose(
         importance[chosen] = share / share.mean(dtype=np.float64)
     return Problem(
         exemplar, size, np.dstack(channels), None if targets[0] is None else np.dstack(targets), scales.hold,
-        importance, usable=usable, start=start, known=known, wrap=wrap,
+        importance, usable=usable, start=start, known=known, wrap=wrap, origin=origin,
     )  # fmt: skip
 
 

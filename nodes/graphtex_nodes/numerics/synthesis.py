@@ -174,7 +174,7 @@ def _charges(level: Level, before: _Match, share: float, turn: tuple[int, int]) 
     overuse = evenness.charge(
         windows.share, windows.relief, before.field, before.mean,
         evenness=share, radius=frame.grid.window // 2, step=frame.grid.step, allowed=windows.allowed,
-        wanted=level.wanted,
+        wanted=level.wanted, homes=windows.homes,
     )  # fmt: skip
     return _Charges(crowd, overuse)
 

@@ -246,6 +246,7 @@ def optimize(
         known=known,
         wrap=around(tileable),
         weights=weights,
+        origin=sheet.origin[..., :3] if turned and turn_step > 0 else None,
     )
     effort = EFFORT[quality]
     if windows and max(windows) > min(leader.shape[:2]) // 2:

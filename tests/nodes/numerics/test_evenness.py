@@ -3,7 +3,7 @@ import pytest
 from scipy.ndimage import uniform_filter
 
 from graphtex_nodes import bricks, optimize, pebbles, sample, scale_pattern
-from graphtex_nodes.numerics.evenness import charge, crowding, local_relief, usage
+from graphtex_nodes.numerics.evenness import charge, crowding, homes, local_relief, usage
 from graphtex_nodes.numerics.sources import near_copies
 
 
@@ -40,6 +40,29 @@ def test_a_piece_that_is_copied_once_costs_nothing(times, most):
         share, np.ones_like(share), field, 1.0, evenness=2.0, radius=2, step=2, allowed=None, wanted=None
     )  # fmt: skip
     assert found.max() == pytest.approx(most, abs=1e-5)
+
+
+def test_copies_of_one_place_are_charged_together():
+    """Two copies of 40 x 40 pixels below each other: a piece of 2 x 2 is shown from the one and from the other."""
+    rows, columns = np.mgrid[:80, :40]
+    origin = np.stack([0 * rows, rows % 40, columns], axis=-1).astype(np.float32)
+    piece = np.stack(np.mgrid[10:12, 10:12], axis=-1).astype(np.int32)
+    field = np.concatenate([piece, piece + np.int32([40, 0])])
+    share = np.ones((79, 39), np.float32)
+    rest = {"evenness": 2.0, "radius": 1, "step": 1, "allowed": None, "wanted": None}
+    assert (charge(share, share, field, 0.5, **rest) == 0).all()
+    found = charge(share, share, field, 0.5, homes=homes(origin, (79, 39), 2, 0), **rest)
+    expected = np.zeros((79, 39))
+    expected[10:12, 10:12] = expected[50:52, 10:12] = 1.0  # twice instead of once, for twice the mean distance
+    np.testing.assert_allclose(found, expected)
+
+
+def test_places_are_as_large_as_half_a_window():
+    """On a level of pixels twice as wide, windows of 4 pixels: their middles lie 4 pixels in, places are 4 wide."""
+    rows, columns = np.mgrid[:16, :12]
+    origin = np.stack([0 * rows, rows, columns], axis=-1).astype(np.float32)
+    expected = np.array([[0, 0, 1], [0, 0, 1], [2, 2, 3], [2, 2, 3], [4, 4, 5]])
+    np.testing.assert_array_equal(homes(origin, (5, 3), 4, 1), expected)
 
 
 @pytest.mark.parametrize("exemplar", ["pebbles", "gravel"])
