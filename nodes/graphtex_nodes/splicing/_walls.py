@@ -88,19 +88,18 @@ def cell_forms(owner: Array, count: int) -> Array:
 
 
 def drawn(
-    divided: Cells, number: int, part: tuple[slice, slice], kind: int, angle: float, blocks: Blocks
+    divided: Cells, number: int, part: tuple[slice, slice], wanted: Array, kind: int, angle: float, blocks: Blocks
 ) -> tuple[Array, Array]:
-    """For the pixels of a cell, in order, their places (m, 2) in the wall's picture, and which are not joint.
+    """For some pixels of a cell, in order, their places (m, 2) in the wall's picture, and which are not joint.
 
     The outline of the block, turned by an angle, is laid around what is left of the cell without half a joint along its
     border, with corners as round as the block's: its inside follows (mean value coordinates). In the joint, pixels as
     far from the outline as there are in the wall.
     """
     corner = np.array([part[1].start, part[0].start])
-    cell = divided.owner[part] == number
     field = _left(divided, number, part, blocks)
     outline = around(field, corner)
-    rows, columns = np.nonzero(cell)
+    rows, columns = np.nonzero(wanted)
     pixels = np.stack([columns, rows], axis=1) + corner
     own = blocks.outlines[kind]
     if outline is None:
@@ -142,8 +141,9 @@ def _start(own: Array, outline: Array, angle: float) -> int:
     one, other = ((each - each.mean(axis=0)) / each.std() for each in (own, outline))
     cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     one = np.stack([cos * one[:, 0] - sin * one[:, 1], sin * one[:, 0] + cos * one[:, 1]], axis=1)
-    agreement = [float((np.roll(one, -first, axis=0) * other).sum()) for first in range(len(one))]
-    return int(np.argmax(agreement))
+    corners = np.arange(len(one))
+    agreement = np.einsum("skd,kd->s", one[(corners[:, None] + corners) % len(one)], other)
+    return int(agreement.argmax())
 
 
 def _beside(pixels: Array, outline: Array, own: Array, outward: Array, reach: Array, joint: float) -> Array:

@@ -116,10 +116,8 @@ def retile(
     if found is None:
         ctx.warn("the wall is not laid anew: nearly all its elements are ragged, or cut by the border of the picture")
         return given
-    given_place = moves.matched > 0
-    target = Elements(
-        moves.targets[given_place] - (elements.left, elements.top), moves.angles[given_place], moves.scales[given_place]
-    )
+    placed = moves.matched > 0
+    target = Elements(moves.targets[placed] - (elements.left, elements.top), moves.angles[placed], moves.scales[placed])
     return _laid(texture, found, target, size, ctx)
 
 
@@ -157,15 +155,16 @@ def _laid(texture: Texture, found: Blocks, target: Elements, size: tuple[int, in
     kinds = _chosen(found, target, whole, texture.mask.shape)
     divided = cells(target.points, turned(found.forms[kinds], target.angles, target.scales), whole)
     window = np.s_[margin : margin + size[0], margin : margin + size[1]]
-    spots, inside = np.zeros((*whole, 2)), np.zeros(whole, bool)
+    spots, inside, visible = np.zeros((*whole, 2)), np.zeros(whole, bool), np.zeros(whole, bool)
+    visible[window] = True
     parts = find_objects(divided.owner + 1)
     shown = divided.owner[window].astype(np.int32)
     for number in np.unique(shown):
         ctx.progress(float(number) / len(parts), "laying the wall")
         part = parts[number]
-        cell = divided.owner[part] == number
-        spots[part][cell], inside[part][cell] = drawn(
-            divided, number, part, int(kinds[number]), float(target.angles[number]), found
+        wanted = visible[part] & (divided.owner[part] == number)
+        spots[part][wanted], inside[part][wanted] = drawn(
+            divided, number, part, wanted, int(kinds[number]), float(target.angles[number]), found
         )
     spots = np.clip(spots[window], 0, np.array(texture.mask.shape[::-1]) - 1).astype(np.float32)
     source = np.zeros((*size, 6), np.float32)
@@ -201,6 +200,7 @@ def _nearest(places: Array, size: tuple[int, int]) -> tuple[Array, Array]:
 def _chosen(found: Blocks, target: Elements, size: tuple[int, int], picture: tuple[int, ...]) -> Array:
     """Which block is laid at each place of a window: of copies of the picture beside each other, what fits."""
     from scipy.optimize import linear_sum_assignment
+    from scipy.spatial.distance import cdist
 
     from graphtex_nodes.splicing._blocks import shape
     from graphtex_nodes.splicing._pattern import distances
@@ -217,7 +217,8 @@ def _chosen(found: Blocks, target: Elements, size: tuple[int, int], picture: tup
         rings += 1
     shifts = np.stack(np.meshgrid(*(np.arange(-ring, ring + 1) for ring in rings)), axis=-1).reshape(-1, 1, 2) * period
     copies = found.outlines.mean(axis=1) + (sides - period) / 2 + shifts
-    far = ((copies - places[:, None, None]) ** 2).sum(axis=-1) / usual**2
-    costs = (unlike[:, None] + FAR * far).reshape(len(places), -1)
+    costs = cdist(places, copies.reshape(-1, 2), "sqeuclidean")
+    costs *= FAR / usual**2
+    costs += np.tile(unlike, len(shifts))
     kinds: Array = linear_sum_assignment(costs)[1] % len(own)
     return kinds

@@ -89,6 +89,14 @@ def test_any_arrangement_fills_the_window_the_same_way_each_time():
     assert first.source[..., 2].max() <= 159
 
 
+def test_fewer_places_than_elements_are_laid():
+    """Every second brick of a row is asked to stay where it is: a warp would leave those between."""
+    texture = wall()
+    _, found = laid(texture, texture.points[::2])
+    assert (found.cells >= 0).all()
+    assert len(np.unique(found.cells)) < 0.75 * len(texture.points)
+
+
 @pytest.mark.parametrize(
     ("texture", "places", "parameters"),
     [
