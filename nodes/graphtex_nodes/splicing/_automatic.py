@@ -23,7 +23,7 @@ from graphtex_nodes.splicing._partitions import (
 from graphtex_nodes.splicing._pattern import distances
 from graphtex_nodes.splicing._peaks import score_floor
 from graphtex_nodes.splicing._poses import Poses
-from graphtex_nodes.splicing._proposals import Proposal, enlarged, from_parts, proposals
+from graphtex_nodes.splicing._proposals import Proposal, enlarged, from_parts, from_repeats, proposals
 from graphtex_nodes.splicing._templates import Example
 
 Array = NDArray[Any]
@@ -89,8 +89,19 @@ def choose(image: Array, search: Search) -> Choice | None:
 
 
 def _judged(even: Even, search: Search) -> Choice | None:
-    """What is chosen at one resolution, with a confidence that takes doubts into account."""
-    choice = _chosen(even, search)
+    """What is chosen at one resolution; where that is doubtful, and the picture repeats itself, perhaps its cells."""
+    choice = _trusted(_chosen(even, search), even)
+    if choice is not None and choice.confidence >= DOUBTFUL:
+        return choice
+    guess = from_repeats(even)
+    if guess is None:
+        return choice
+    cells = _trusted(_searched([guess.example], guess.merit, search, even.size), even)
+    return max((each for each in (choice, cells) if each is not None), key=lambda each: each.confidence)
+
+
+def _trusted(choice: Choice | None, even: Even) -> Choice | None:
+    """A choice with a confidence that takes doubts into account."""
     if choice is None:
         return None
     kept = _likely(choice.found.poses, choice.floor)

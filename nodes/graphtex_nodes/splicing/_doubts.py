@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from graphtex import Elements
 from graphtex_nodes.splicing._nearness import distances
+from graphtex_nodes.splicing._repeats import repeated_share, repeats
 from graphtex_nodes.splicing._unlit import squared_change
 
 Array = NDArray[Any]
@@ -16,6 +17,7 @@ AROUND = 1.25  # times an element's half sizes: its outline lies within
 EXPLAINED = 0.8  # share of all changes of colour that right elements have in and around them at least
 DIRECTED = 0.75  # how much changes of brightness have one direction: bricks have 0.5, stripes 1
 SHOWN, SHOWN_ALONE = 0.2, 0.6  # least share of squared changes at what looks like given elements, and at one alone
+REGULAR = 0.6, 0.9  # share of elements that meet others where the picture repeats: none is right, and all may be
 UNEVEN = 0.08  # deviation of scores of elements that are alike
 
 
@@ -23,12 +25,18 @@ def trust(image: Array, elements: Elements, scores: Array, width: float, height:
     """What a confidence is to be multiplied by, 0 to 1, for elements found in a picture (h, w, c).
 
     It falls where much of what changes in the picture lies off the elements, as where some of them, or parts of them,
-    were taken for all; where the picture has stripes and no ends to them; and where some are much less alike.
+    were taken for all; where the picture has stripes and no ends to them; where some are much less alike; and where the
+    picture repeats itself and they do not.
     """
+    last = np.array(image.shape[1::-1]) - 1
+    points = elements.points[((elements.points >= 0) & (elements.points <= last)).all(axis=1)]
+    repeated = repeated_share(points, repeats(image), image.shape[:2])
+    none, all_of_them = REGULAR
     return float(
         min(1.0, _explained(image, elements, width, height) / EXPLAINED) ** 2
         * np.clip((1 - _directed(image, min(width, height))) / (1 - DIRECTED), 0, 1)
         * min(1.0, UNEVEN / max(float(scores.std()), 1e-9))
+        * np.clip((repeated - none) / (all_of_them - none), 0, 1)
     )
 
 

@@ -15,7 +15,9 @@ from graphtex_nodes.splicing._partitions import (
     Parts,
     colour_channels,
 )
+from graphtex_nodes.splicing._repeats import cell, repeats
 from graphtex_nodes.splicing._templates import Example
+from graphtex_nodes.splicing._unlit import squared_change
 
 Array = NDArray[Any]
 
@@ -71,6 +73,49 @@ def from_parts(parts: Parts, some: Array) -> Proposal | None:
     )  # fmt: skip
     share = float(areas[kind].sum() / areas.sum())
     return Proposal(enlarged(example, parts.step, parts.size), parts.merit * share)
+
+
+def from_repeats(even: Even) -> Proposal | None:
+    """A cell of a picture that repeats itself, about a bright or a dark spot in the middle; None of others.
+
+    Cloth and the like have elements without outlines: it is their repetition that tells them. Of bright and dark spots
+    those are taken at which the boxes of cells cut through less: spots of the ground have elements all around them.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    found = cell(repeats(even.picture))
+    if found is None:
+        return None
+    width, height, merit = found
+    channel = next(colour_channels(even.picture))
+    spots = gaussian_filter(channel, min(width, height) / 4, mode="mirror")
+    top, left = (max(0, int((side - size) / 2)) for side, size in zip(channel.shape, (height, width), strict=True))
+    window = np.s_[top : top + int(height) + 1, left : left + int(width) + 1]
+    cut = _on_outlines(np.sqrt(squared_change(even.picture)), width, height)
+    bright, dark = (cut[_peaks_of(sign * spots, min(width, height))].mean() for sign in (1, -1))
+    chosen = (spots if bright <= dark else -spots)[window]
+    y, x = np.unravel_index(int(chosen.argmax()), chosen.shape)
+    example = Example.model_construct(x=float(left + x), y=float(top + y), width=width, height=height)
+    return Proposal(enlarged(example, even.step, even.size), merit)
+
+
+def _peaks_of(spots: Array, size: float) -> Array:
+    """Where a map (h, w) is as high as anywhere within a distance."""
+    from scipy.ndimage import maximum_filter
+
+    peaks: Array = (maximum_filter(spots, 2 * int(size / 2) + 1) == spots) & (spots > spots.mean())
+    return peaks
+
+
+def _on_outlines(change: Array, width: float, height: float) -> Array:
+    """Mean of a map (h, w) on the outline of a box about each pixel."""
+    from scipy.ndimage import uniform_filter
+
+    outer = 2 * int(height / 2) + 1, 2 * int(width / 2) + 1
+    inner = outer[0] - 2, outer[1] - 2
+    sums = [uniform_filter(change, size, mode="mirror") * size[0] * size[1] for size in (outer, inner)]
+    mean: Array = (sums[0] - sums[1]) / (outer[0] * outer[1] - inner[0] * inner[1])
+    return mean
 
 
 def enlarged(example: Example, step: float, size: tuple[int, ...]) -> Example:

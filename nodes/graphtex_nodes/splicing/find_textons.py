@@ -59,13 +59,14 @@ def find_textons(
     examples
         Each with ``x``, ``y`` (its centre), ``width`` and ``height`` in pixels. Where joints part all of the picture,
         these are such parts, and most of the others look like none of them, all parts are elements (not with `turn` or
-        `growth`). Without any the picture is divided, in
-        halves of its colours and along its dark and its bright joints, and each partition judged by how round, even and
-        free its parts are. Of each the typical part, and blobs, are tried as examples; the one that explains the
-        picture best is taken (mean correlation x root of the share covered once x regularity), and a second kind if
-        that explains more. Where it misses parts of the best partition, or these differ in size, and the parts
-        look more like elements than it explains, all parts are elements, however unlike: stones of a wall, say. Centres
-        of a single kind are moved together to where the outlines tell the colours apart best.
+        `growth`). Without any the picture is divided, in halves of its colours and along its dark and its bright
+        joints, and each partition judged by how round, even and free its parts are. Of each the typical part, and
+        blobs, are tried as examples; the one that explains the picture best is taken (mean correlation x root of the
+        share covered once x regularity), and a second kind if that explains more. Where it misses parts of the best
+        partition, or these differ in size, and the parts look more like elements than it explains, all parts are
+        elements, however unlike: stones of a wall, say. Where this is doubtful and the picture repeats itself, as
+        checked cloth does, its cells may be the elements. Centres of a single kind are moved together to where the
+        outlines tell the colours apart best.
     turn, growth
         Ranges of the search. When any is used, templates every 15 degrees and factor 1.2 are tried, and the matches
         are refined. Angles and scales are relative to the example. Matching then goes by colours' shares of the light
@@ -87,9 +88,10 @@ def find_textons(
     similarity
         Shape (h, w, 1): the best correlation at each pixel; enlarged where it was searched at a lower resolution.
     confidence
-        In automatic mode how well the elements explain the picture or the parts stand apart, 0 to 1; less where much
-        of what changes in the picture lies off them, where it has stripes without ends, and where their scores differ.
-        Noise has up to 0.4, and there is a warning below 0.5. With examples the mean score.
+        In automatic mode how well the elements explain the picture or the parts stand apart, 0 to 1; less where much of
+        what changes in the picture lies off them, where it has stripes without ends, where their scores differ, and
+        where the picture repeats itself and they do not. Noise has up to 0.4, and there is a warning below 0.5. With
+        examples the mean score.
 
     Raises
     ------
