@@ -1,5 +1,6 @@
 """Command lines in this process and in others, with the nodes of `tests.graphtex.cli.pack` only."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -40,7 +41,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def registry(monkeypatch: pytest.MonkeyPatch) -> Registry:
-    """The test pack in place of all installed ones."""
+    """The test pack in place of all installed ones, also in modules that are imported only later."""
+    for name in ("graphtex.check", "graphtex.schema"):
+        importlib.import_module(name)
     nodes = nodes_of(pack)
     small = Registry(nodes, dict.fromkeys(nodes, "pack"), ())
     for name in [
