@@ -136,7 +136,7 @@ def charge(
     return result
 
 
-def homes(origin: Array, shape: tuple[int, int], window: int, level: int) -> Homes:
+def homes(origin: Array, shape: tuple[int, int], window: int, level: int, rim: int = 0) -> Homes:
     """Number of the place (h, w) that each window shows: squares of half its side, in pixels of its level.
 
     Parameters
@@ -145,9 +145,11 @@ def homes(origin: Array, shape: tuple[int, int], window: int, level: int) -> Hom
         Index, row and column (eh, ew, 3) of what each pixel of the exemplar shows on the finest level.
     shape, window, level
         Rows and columns of the exemplar's windows, their side, and the level whose pixels are 2 ** level wide.
+    rim
+        Pixels by which windows reach over the exemplar's border.
     """
     middles = [
-        np.minimum(((np.arange(count) + window / 2) * 2**level).astype(np.intp), most - 1)
+        np.clip((np.arange(count) + window / 2 - rim) * 2**level, 0, most - 1).astype(np.intp)
         for count, most in zip(shape, origin.shape, strict=False)
     ]
     shown = origin[np.ix_(*middles)].astype(np.intp)

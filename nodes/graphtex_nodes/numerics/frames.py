@@ -108,12 +108,14 @@ def nearest_places(allowed: NDArray[np.bool_]) -> NDArray[np.int32]:
 
 
 def transfer(
-    field: NDArray[np.int32], old: Frame, new: Frame, factor: int, shape: tuple[int, ...]
-) -> NDArray[np.int32]:
+    field: NDArray[np.int32], old: Frame, new: Frame, factor: int, shape: tuple[int, ...],
+    rims: tuple[int, int] = (0, 0),
+) -> NDArray[np.int32]:  # fmt: skip
     """The field of another grid over the same canvas, or over one ``factor`` times as fine.
 
     Each new window takes the source of the old window with the nearest centre, shifted by the distance of their
-    corners; sources are moved into ``shape``, rows and columns of the exemplar's windows. Where the output wraps around
+    corners; sources are moved into ``shape``, rows and columns of the exemplar's windows. These count from the corner
+    of its rim, old and new ``rims`` pixels wide. Where the output wraps around
     and periods do not fit, places are stretched from period to period, so that there is no jump at the border.
     """
     places = []
@@ -129,7 +131,9 @@ def transfer(
         places.append((nearest, np.rint(apart).astype(np.int32)))
     (rows, down), (columns, right) = places
     result = field.take(rows, 0).take(columns, 1)
+    result -= np.int32(rims[0])
     result *= np.int32(factor)
+    result += np.int32(rims[1])
     for axis, more in enumerate((down[:, None], right)):
         part = result[..., axis]
         part += more

@@ -10,7 +10,7 @@ from graphtex_nodes.numerics.evenness import Homes
 from graphtex_nodes.numerics.frames import Frame, nearest_places, whole_windows
 from graphtex_nodes.numerics.guidance import random_blocks
 from graphtex_nodes.numerics.histogram import Histograms
-from graphtex_nodes.numerics.levels import Stage
+from graphtex_nodes.numerics.levels import Stage, rim
 from graphtex_nodes.numerics.parallel import Work
 from graphtex_nodes.numerics.problem import Array, Field, Flags, Given, Problem, Settings
 from graphtex_nodes.numerics.transport import Market
@@ -21,6 +21,8 @@ FADING = 0.25
 """Windows' sides over which the weight of what is not known yet falls to 1/e of that beside known pixels."""
 LEAST = 0.05
 """Least such weight."""
+HARDLY = np.float32(1e-4)
+"""What a pixel of the exemplar's rim counts in a vote: enough where there is no other."""
 QUICK = 2e10
 """Multiply-adds for all windows of an exemplar that take some tenths of a second."""
 
@@ -31,6 +33,8 @@ class Windows:
 
     Attributes
     ----------
+    exemplar, rim
+        The exemplar (h, w, c) with a rim so many pixels wide, where it is mirrored.
     basis, features
         Their components, and their coordinates (h, w, k).
     histograms
@@ -49,6 +53,8 @@ class Windows:
         Number of the place that each shows (h, w) where some show the same; else None.
     """
 
+    exemplar: Array
+    rim: int
     basis: Basis
     features: Array
     histograms: Histograms
@@ -63,13 +69,12 @@ class Windows:
 
 @dataclass(frozen=True)
 class Level:
-    """The exemplar and the canvas on one level with one window.
+    """The exemplar's windows and the canvas on one level with one window.
 
     ``wanted`` are the windows that look for a source, ``known`` the canvas pixels that stay, ``trust`` how much windows
     count beside them; None where nothing is known.
     """
 
-    exemplar: Array
     windows: Windows
     canvas: Array
     voted: int
@@ -80,10 +85,17 @@ class Level:
     trust: Array | None
 
     def weighted(self, gain: float) -> Array:
-        """The exemplar's pixels with weights in a vote, by what the canvas holds too much of (equation 8)."""
+        """The exemplar's pixels with weights in a vote, by what the canvas holds too much of (equation 8).
+
+        Those of the rim serve where nothing else is proposed.
+        """
         counted = None if self.known is None or self.known.all() else ~self.known
         weights = self.windows.histograms.pixel_weights(self.canvas, gain, counted)
-        return weighted_pixels(self.exemplar[..., : self.voted], weights)
+        if self.windows.rim:
+            for lines in (weights, weights.T):
+                lines[: self.windows.rim] *= HARDLY
+                lines[-self.windows.rim :] *= HARDLY
+        return weighted_pixels(self.windows.exemplar[..., : self.voted], weights)
 
 
 def exemplar_windows(
@@ -93,17 +105,19 @@ def exemplar_windows(
 
     They are without coordinates where no iteration looks for any, as what was found before is copied.
     """
-    window, exemplar = stage.window, given.exemplar
+    window, width = stage.window, rim(stage.window, given.usable)
+    exemplar = np.pad(given.exemplar, ((width,) * 2, (width,) * 2, (0, 0)), "symmetric") if width else given.exemplar
     colours, channels = problem.exemplar.shape[2], exemplar.shape[2]
     counted = slice(None) if given.usable is None else given.usable
-    histograms = Histograms(exemplar[..., : problem.voted], given.importance, counted)
+    histograms = Histograms(exemplar[..., : problem.voted], np.pad(given.importance, width), counted)
     allowed = None if given.usable is None else whole_windows(given.usable, window)
     nearest = None if allowed is None else nearest_places(allowed)
-    share = np.maximum(centres(given.importance, window), 1e-3)
+    share = np.maximum(centres(np.pad(given.importance, width, "symmetric"), window), 1e-3)
     if stage.iterations == 0:
         basis = Basis(window, np.zeros((0, 0), np.float32), np.zeros(0, np.float32))
         features = np.zeros((*share.shape, 0), np.float32)
-        return Windows(basis, features, histograms, np.ones_like(share), share, allowed, nearest, None, 0.0)
+        ones = np.ones_like(share)
+        return Windows(exemplar, width, basis, features, histograms, ones, share, allowed, nearest, None, 0.0)
     groups = [(slice(0, channels if settings.joint else colours), settings.detail)]
     if channels > colours and not settings.joint:
         groups.append((slice(colours, channels), 0.0))
@@ -118,8 +132,10 @@ def exemplar_windows(
     relief = evenness.local_relief(exemplar[..., :colours], window)
     homes = None
     if problem.origin is not None:
-        homes = evenness.homes(problem.origin, (share.shape[0], share.shape[1]), window, stage.level)
-    return Windows(basis, features, histograms, relief, share, allowed, nearest, market, variance, homes)
+        homes = evenness.homes(problem.origin, (share.shape[0], share.shape[1]), window, stage.level, width)
+    return Windows(
+        exemplar, width, basis, features, histograms, relief, share, allowed, nearest, market, variance, homes
+    )
 
 
 def quick(stage: Stage, given: Given) -> bool:
@@ -144,7 +160,7 @@ def open_level(
         wanted = ~whole_windows(known, window, frame.grid.step)
         trust = _trust(known, window)[:: frame.grid.step, :: frame.grid.step]
     falloff = window_falloff(window, settings.falloff)
-    return Level(given.exemplar, windows, canvas, problem.voted, frame, falloff, wanted, known, trust)
+    return Level(windows, canvas, problem.voted, frame, falloff, wanted, known, trust)
 
 
 def first_field(level: Level, colours: int, rng: np.random.Generator) -> Field:
@@ -154,7 +170,7 @@ def first_field(level: Level, colours: int, rng: np.random.Generator) -> Field:
     block = max(1, grid.window // grid.step)
     present = wanted = None
     if colours:
-        present = centres(level.exemplar[..., colours:], grid.window)
+        present = centres(level.windows.exemplar[..., colours:], grid.window)
         wanted = centres(level.canvas[..., colours:], grid.window)[:: grid.step, :: grid.step]
     return random_blocks((grid.rows, grid.columns), (shape[0], shape[1]), block, grid.step, rng, wanted, present)
 

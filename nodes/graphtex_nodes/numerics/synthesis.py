@@ -51,7 +51,7 @@ def synthesise(
     total = sum(stage.iterations * 4.0**-stage.level for stage in plan)
     done = 0.0
     energies: list[float] = []
-    before: tuple[Field, Frame, int] | None = None
+    before: tuple[Field, Frame, int, int] | None = None
     frames = [_frame(problem, plan, stage) for stage in plan]
     coming = _coming(problem, settings, plan, frames, images, work)
     for number, (stage, frame) in enumerate(zip(plan, frames, strict=True)):
@@ -60,7 +60,8 @@ def synthesise(
         if before is None:
             field = first_field(level, problem.exemplar.shape[2] if problem.target is not None else 0, rng)
         else:
-            field = transfer(before[0], before[1], frame, 1 << (before[2] - at), windows.share.shape)
+            rims = before[3], windows.rim
+            field = transfer(before[0], before[1], frame, 1 << (before[2] - at), windows.share.shape, rims)
         if windows.nearest is not None:
             field = windows.nearest[field[..., 0], field[..., 1]]
         match = _Match(field, np.ones(field.shape[:2], np.float32))
@@ -78,10 +79,11 @@ def synthesise(
             energies.append(energy())
             done += 4.0**-at / total
             work.progress(min(1.0, done), f"level {levels - at} of {levels}")
-        before = match.field, frame, at
+        before = match.field, frame, at, windows.rim
     source = vote_source(
-        match.field, match.weights, level.exemplar, level.falloff, frame.grid.step, level.canvas, work, level.known
-    )
+        match.field, match.weights, windows.exemplar, level.falloff, frame.grid.step, level.canvas, work, level.known,
+        windows.rim,
+    )  # fmt: skip
     source = replayed(frame.crop(source), 1 << at, problem.size, problem.exemplar.shape)
     return Result(frame.crop(level.canvas), source, tuple(energies))
 

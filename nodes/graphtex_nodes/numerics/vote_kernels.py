@@ -52,18 +52,20 @@ def vote_mean(field, weights, weighted, falloff, step, known, image, first, stop
 
 
 @kernel(
-    "const i4[:,:,:], const f4[:,:], const f4[:,:,:], const f4[:,:], const f4[:,:,:], i8, const u1[:,:], i4[:,:,:], "
-    "i8, i8",
+    "const i4[:,:,:], const f4[:,:], const f4[:,:,:], const f4[:,:], const f4[:,:,:], i8, i8, const u1[:,:], "
+    "i4[:,:,:], i8, i8",
     fastmath={"contract"},
 )
-def vote_source(field, weights, exemplar, falloff, image, step, known, source, first, stop):
+def vote_source(field, weights, exemplar, falloff, image, step, rim, known, source, first, stop):
     """For each pixel the proposed source that most windows agree on, among equals the one nearest to ``image``.
 
-    Votes are the product of ``weights`` and ``falloff``. Written: ``source`` (h, w, 2), rows and columns,
-    for pixels that are not ``known``.
+    Votes are the product of ``weights`` and ``falloff``. Of the exemplar (h, w, c) the outer ``rim`` pixels are not
+    copied; if nothing else is proposed, the pixel nearest to the last proposal is. Written: ``source`` (h, w, 2), rows
+    and columns without the rim, for pixels that are not ``known``.
     """
     window = falloff.shape[0]
     rows, columns = field.shape[0], field.shape[1]
+    last_y, last_x = exemplar.shape[0] - rim - 1, exemplar.shape[1] - rim - 1
     span = (window + step - 1) // step
     proposal_y = np.empty(span * span, np.int64)
     proposal_x = np.empty(span * span, np.int64)
@@ -83,6 +85,10 @@ def vote_source(field, weights, exemplar, falloff, image, step, known, source, f
                     dx = x - column * step
                     ey = field[row, column, 0] + dy
                     ex = field[row, column, 1] + dx
+                    if ey < rim or ex < rim or ey > last_y or ex > last_x:
+                        if count > 0 or row < row_high or column < column_high:
+                            continue
+                        ey, ex = min(max(ey, rim), last_y), min(max(ex, rim), last_x)
                     weight = weights[row, column] * falloff[dy, dx]
                     index = 0
                     while index < count and (proposal_y[index] != ey or proposal_x[index] != ex):
@@ -102,5 +108,5 @@ def vote_source(field, weights, exemplar, falloff, image, step, known, source, f
                 cost = error / support[index]
                 if cost < best:
                     best = cost
-                    source[y, x, 0] = proposal_y[index]
-                    source[y, x, 1] = proposal_x[index]
+                    source[y, x, 0] = proposal_y[index] - rim
+                    source[y, x, 1] = proposal_x[index] - rim

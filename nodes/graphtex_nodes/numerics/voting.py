@@ -60,17 +60,18 @@ def vote_mean(
 
 def vote_source(
     field: Field, weights: Array, exemplar: Array, falloff: Array, step: int, image: Array, work: Work,
-    known: NDArray[np.bool_] | None = None,
+    known: NDArray[np.bool_] | None = None, rim: int = 0,
 ) -> Field:  # fmt: skip
     """Row and column of one exemplar pixel for each pixel of ``image``: the source that most windows agree on.
 
-    Both are -1 for ``known`` pixels (h, w); None = none are known.
+    Both are -1 for ``known`` pixels (h, w); None = none are known. ``field`` counts from the corner of the ``exemplar``
+    with its rim, whose pixels are not copied; the result without it.
     """
     source = np.full((*image.shape[:2], 2), -1, np.int32)
     flags = _flags(known, image)
 
     def band(first: int, stop: int) -> None:
-        vote_kernels.vote_source(field, weights, exemplar, falloff, image, step, flags, source, first, stop)
+        vote_kernels.vote_source(field, weights, exemplar, falloff, image, step, rim, flags, source, first, stop)
 
     for_rows(band, image.shape[0], image.shape[1] * (len(falloff) / step) ** 2 * 20, work)
     return source

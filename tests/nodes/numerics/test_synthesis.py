@@ -75,6 +75,15 @@ def test_transfer_stays_inside():
     assert found.min() >= 0
 
 
+def test_transfer_between_rims():
+    """Places without a rim double; counted from its corner they are as much more as it is wide."""
+    row, column = np.mgrid[:20, :20]
+    field = np.stack([row * 2 + 7, column * 2 + 3], axis=-1).astype(np.int32)
+    frames = on_canvas(Grid(20, 20, 8, 2)), on_canvas(Grid(15, 14, 8, 2))
+    inside = transfer(field, *frames, 2, (900, 900))
+    np.testing.assert_array_equal(transfer(field + 4, *frames, 2, (900, 900), (4, 2)), inside + 2)
+
+
 def test_transfer_stretches_what_wraps_around():
     """A period of 12 becomes one of 21: copies of one row of windows stay 0 to 2 pixels from their places."""
     before, after = (

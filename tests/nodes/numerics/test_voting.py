@@ -24,6 +24,24 @@ def test_agreeing_windows_copy():
     np.testing.assert_array_equal(source, shifted_field(10, 12, 1, 3, 1))
 
 
+def test_the_rim_is_not_copied():
+    """Two rows of two windows of 2 x 2 pixels show an exemplar of 4 x 4 pixels in a rim of one.
+
+    The last windows agree on row 3, but those of the first column lie on the rim in part: what nothing else proposes is
+    the nearest pixel within.
+    """
+    exemplar = RNG.random((6, 6, 1)).astype(np.float32)
+    field = np.array([[[0, 0], [1, 1]], [[3, 0], [3, 1]]], np.int32)
+    image = np.zeros((3, 3, 1), np.float32)
+    source = vote_source(field, np.ones((2, 2), np.float32), exemplar, np.ones((2, 2), np.float32), 1, image, Context(),
+                         rim=1)  # fmt: skip
+    assert source.min() >= 0
+    assert source.max() <= 3
+    assert source[0, 0].tolist() == [0, 0]  # proposed: (-1, -1) alone
+    assert source[2, 0].tolist() == [3, 0]  # proposed: (3, -1) alone
+    assert source[2].tolist() == [[3, 0], [3, 0], [3, 1]]
+
+
 def test_weighted_mean_by_hand():
     """One row of two windows of two pixels, step 1: the middle pixel has weights 1 and 3, times 1 and 0.5."""
     exemplar = np.array([[[0.0], [8.0], [20.0]]], np.float32).repeat(2, axis=0)
