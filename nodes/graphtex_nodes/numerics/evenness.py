@@ -14,6 +14,12 @@ Homes = NDArray[np.intp]
 
 CROWDED = 0.05
 """What a window pays for each copy around, in variances of the exemplar's windows times the evenness."""
+STRETCHED = 6.0
+"""What a window pays that goes on with a piece of which all around at a distance is shown, in the same unit ..."""
+LONG = 0.02
+"""... and the mean share around of what goes on up to which none pays; from twice of it on all pay that much."""
+NEAREST, FARTHEST = 2, 4
+"""Such distances, in sixths of the exemplar's smaller side."""
 MOST_CROWDED = 4096
 """Exemplar windows up to which a level is no fine one: those keep what is where."""
 SMOOTH = 1 / 3
@@ -57,8 +63,13 @@ def crowded(share: Array, *, evenness: float, allowed: Flags | None) -> bool:
     return evenness > 0 and _count(share, allowed) <= MOST_CROWDED and not np.ptp(share) > 0
 
 
-def crowd(field: Field, relief: Array, *, variance: float, evenness: float, step: int) -> tuple[Array, int]:
+def crowd(
+    field: Field, relief: Array, *, variance: float, evenness: float, step: int, grain: float
+) -> tuple[Array, int]:  # fmt: skip
     """What cells of the exemplar cost more where they are shown near by, and the side of a cell.
+
+    Where long copies are common in grain, so do those that go on with one, see :func:`stretch`: pieces then end before
+    they repeat the arrangement of the exemplar as a whole. Elements with outlines would be cut by that.
 
     Parameters
     ----------
@@ -70,13 +81,21 @@ def crowd(field: Field, relief: Array, *, variance: float, evenness: float, step
         Total variance of the exemplar's windows.
     evenness, step
         See :func:`places`.
+    grain
+        1 where the exemplar is grain, 0 where it has elements with outlines.
 
     Returns
     -------
     charge, cell
         float32 (a, b, h / cell, w / cell), both rounded up, in each of a x b tiles of the output.
     """
-    copies, cell = crowding(field, (relief.shape[0], relief.shape[1]), step)
+    shape = relief.shape[0], relief.shape[1]
+    copies, cell = crowding(field, shape, step)
+    if grain > 0:
+        further, common = stretch(field, shape, step)
+        excess = grain * min(1.0, max(0.0, common / LONG - 1))
+        # shorter pieces meet each other's copies more often
+        copies = np.float32(1 + excess) * copies + np.float32(STRETCHED / CROWDED * excess) * further
     copies *= relief[::cell, ::cell] * np.float32(CROWDED * evenness * variance)
     return copies, cell
 
@@ -180,15 +199,66 @@ def crowding(field: Field, shape: tuple[int, int], step: int) -> tuple[Array, in
         float32 (a, b, h / cell, w / cell), both rounded up, and the side of a cell in windows of the exemplar. Cells
         are smaller than tiles, and neighbouring ones share what they are shown: they hold the same elements.
     """
+    tile, cell, sides, cells = _tiles(field, shape, step)
     reach = min(shape) / 2 / step
-    tile = max(1, round(reach / 3))
-    cell = step * max(1, tile // 2)
-    sides = [-(-side // tile) for side in field.shape[:2]]
-    cells = [-(-side // cell) for side in shape]
     counts, copies = np.empty((*sides, *cells), np.int32), np.empty((*sides, *cells), np.float32)
     evenness_kernels.copies_around(field, round(reach / tile), cell, counts, copies)
     copies *= np.float32((step / cell) ** 2)
     return copies, cell
+
+
+def stretch(field: Field, shape: tuple[int, int], step: int) -> tuple[Array, float]:
+    """How far each place of the exemplar, shown in each of a x b tiles of the output, would go on with a piece there.
+
+    What counts is a ring around a tile, :data:`NEAREST` to :data:`FARTHEST` sixths of the exemplar away: how much of it
+    shows the exemplar at the same shift.
+
+    Parameters
+    ----------
+    field, shape, step
+        See :func:`crowding`.
+
+    Returns
+    -------
+    share, common
+        float32 (a, b, h / cell, w / cell), both rounded up: share of the ring, with cells as in :func:`crowding`, and
+        the mean of it over what is shown.
+    """
+    from scipy.ndimage import uniform_filter
+
+    tile, cell, sides, cells = _tiles(field, shape, step)
+    rows, columns = (np.arange(side) * count // side for side, count in zip(field.shape[:2], sides, strict=True))
+    place = (rows[:, None] * sides[1] + columns) * cells[0] + field[..., 0] // cell
+    place = place * cells[1] + field[..., 1] // cell
+    counts = np.bincount(place.ravel(), minlength=int(np.prod(sides + cells))).reshape(*sides, *cells).astype(np.int32)
+    lines = tile * step / cell
+    found = _going_on(counts, FARTHEST, lines) - _going_on(counts, NEAREST - 1, lines)
+    ring = (2 * FARTHEST + 1) ** 2 - (2 * NEAREST - 1) ** 2
+    share = uniform_filter(found.astype(np.float32), (1, 1, 3, 3), mode="nearest")
+    share *= np.float32((step / cell) ** 2 / ring)
+    return share, float((counts * share).sum(dtype=np.float64) / counts.sum())
+
+
+def _going_on(counts: NDArray[np.int32], radius: int, lines: float) -> NDArray[np.int32]:
+    """Sums (a, b, h, w) over the tiles at most ``radius`` away each way of what goes on, ``lines`` cells a tile."""
+    for axis in (0, 1):
+        total = np.zeros_like(counts)
+        for shift in range(-radius, radius + 1):
+            here, there = [slice(None)] * 4, [slice(None)] * 4
+            for along, move in ((axis, shift), (axis + 2, round(shift * lines))):
+                side = counts.shape[along]
+                here[along] = slice(max(0, -move), max(0, min(side, side - move)))
+                there[along] = slice(max(0, move), max(0, min(side, side + move)))
+            total[tuple(here)] += counts[tuple(there)]
+        counts = total
+    return counts
+
+
+def _tiles(field: Field, shape: tuple[int, int], step: int) -> tuple[int, int, list[int], list[int]]:
+    """Sides of tiles in windows of the output, of cells in those of the exemplar, and how many there are of both."""
+    tile = max(1, round(min(shape) / 6 / step))
+    cell = step * max(1, tile // 2)
+    return tile, cell, [-(-side // tile) for side in field.shape[:2]], [-(-side // cell) for side in shape]
 
 
 def local_relief(image: Array, window: int) -> Array:

@@ -47,8 +47,9 @@ class Windows:
         Those that may be used (h, w), and the nearest of them (h, w, 2) for each; None where all may.
     market
         What prices are found from; None where there are none.
-    variance
-        Total variance of the coordinates where copies are charged for being close together, else 0.
+    variance, grain
+        Total variance of the coordinates where copies are charged for being close together, else 0, and whether the
+        exemplar is grain: see :func:`evenness.crowd`.
     homes
         Number of the place that each shows (h, w) where some show the same; else None.
     """
@@ -64,6 +65,7 @@ class Windows:
     nearest: Field | None
     market: Market | None
     variance: float
+    grain: float
     homes: Homes | None = None
 
 
@@ -117,24 +119,25 @@ def exemplar_windows(
         basis = Basis(window, np.zeros((0, 0), np.float32), np.zeros(0, np.float32))
         features = np.zeros((*share.shape, 0), np.float32)
         ones = np.ones_like(share)
-        return Windows(exemplar, width, basis, features, histograms, ones, share, allowed, nearest, None, 0.0)
+        return Windows(exemplar, width, basis, features, histograms, ones, share, allowed, nearest, None, 0, 0)
     groups = [(slice(0, channels if settings.joint else colours), settings.detail)]
     if channels > colours and not settings.joint:
         groups.append((slice(colours, channels), 0.0))
     weights = [*(settings.weights or [1.0] * colours), *[1.0] * (channels - colours)]
     basis = principal_basis(exemplar, window, groups, settings.variance, work, allowed, weights, settings.directions)
     features = basis.project(exemplar, 1, work, allowed)
-    market, variance = None, 0.0
+    market, variance, grain = None, 0.0, 0.0
     if given.known is None:
         market = evenness.places(features, share, evenness=settings.evenness, step=step, allowed=allowed)
         if evenness.crowded(share, evenness=settings.evenness, allowed=allowed):
             variance = float(features.var(axis=(0, 1), dtype=np.float64).sum())
+            grain = problem.grain
     relief = evenness.local_relief(exemplar[..., :colours], window)
     homes = None
     if problem.origin is not None:
         homes = evenness.homes(problem.origin, (share.shape[0], share.shape[1]), window, stage.level, width)
     return Windows(
-        exemplar, width, basis, features, histograms, relief, share, allowed, nearest, market, variance, homes
+        exemplar, width, basis, features, histograms, relief, share, allowed, nearest, market, variance, grain, homes
     )
 
 

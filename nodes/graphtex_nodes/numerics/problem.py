@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.pyramid import masked_pyramid, pyramid
+from graphtex_nodes.numerics.structure import outlined
 from graphtex_nodes.numerics.windows import DIRECTIONS
 
 Array = NDArray[np.float32]
@@ -110,6 +112,11 @@ class Problem:
     def may(self) -> Flags:
         """Which pixels of the exemplar (h, w) may be shown."""
         return np.ones(self.exemplar.shape[:2], bool) if self.usable is None else self.usable
+
+    @cached_property
+    def grain(self) -> float:
+        """1 where the exemplar is grain, 0 where it has elements with outlines, which noise of pixels may hide."""
+        return 1 - outlined(pyramid(self.exemplar, 2)[1])
 
     @property
     def voted(self) -> int:

@@ -12,6 +12,7 @@ from graphtex_nodes.numerics.parallel import Work, for_rows
 from graphtex_nodes.numerics.problem import Problem, Result
 from graphtex_nodes.numerics.recut import Costs, recut
 from graphtex_nodes.numerics.seam_kernels import RADIUS
+from graphtex_nodes.numerics.structure import outlined
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
@@ -21,9 +22,6 @@ PULL, JOIN, BUSY = (0.15, 0.015), (0.03, 0.1), 0.3
 second is for guided synthesis of elements with outlines: where scales change, the wanted image is a mean of elements
 that do not fit each other, while grain and ripples have a mean that does."""
 GUIDE_PULL = 1.0
-GRAIN, OUTLINES = 5.0, 7.0
-"""Kurtosis of the steps between neighbouring pixels up to which an exemplar is grain, and from which it has outlines.
-Sand has 4, grass and stone 4 to 6, generated bricks and cloth 8, pebbles 12, coins 17."""
 PASSES = 10
 
 
@@ -122,18 +120,6 @@ def _bent(
     limits = np.array([each.min() for each in seen]), np.array([each.max() for each in seen])
     membrane.level(image, lack, limits, problem.wrap, work)
     return image
-
-
-def outlined(picture: Array) -> float:
-    """Whether a picture (h, w, c) is grain, 0, or has elements with outlines, 1: few steps are large, the rest small.
-
-    Told by the kurtosis of the steps between neighbouring pixels.
-    """
-    steps = [(np.diff(picture, axis=axis) ** 2).sum(axis=-1).ravel() for axis in (0, 1)]
-    squared = np.concatenate(steps).astype(np.float64)
-    mean = float(squared.mean()) if squared.size else 0.0
-    kurtosis = float((squared**2).mean()) / mean**2 if mean > 0 else 0.0
-    return float(np.interp(kurtosis, (GRAIN, OUTLINES), (0, 1)))
 
 
 def move_seams(

@@ -1,4 +1,4 @@
-"""How far a texture's structure reaches: what repeats in it, and up to which distance its pixels are related."""
+"""A texture's structure: what repeats in it, how far its pixels are related, and whether it has outlines."""
 
 from typing import NamedTuple
 
@@ -13,6 +13,10 @@ STRENGTH = 0.3
 """Autocorrelation that a repeat must reach."""
 RELATED = 0.1
 """Root mean square of the autocorrelation at a distance from which on pixels count as related there."""
+
+GRAIN, OUTLINES = 5.0, 7.0
+"""Kurtosis of the steps between neighbouring pixels up to which an exemplar is grain, and from which it has outlines.
+Sand has 4, grass and stone 4 to 6, generated bricks and cloth 8, pebbles 12, coins 17."""
 
 
 class Structure(NamedTuple):
@@ -55,6 +59,18 @@ def structure(image: Array) -> Structure:
     power = np.bincount(ring.ravel(), inner.ravel() ** 2) / np.maximum(np.bincount(ring.ravel()), 1)
     power = power[: min(rows[-1], columns[-1])]
     return Structure(period, float(np.flatnonzero(power >= RELATED**2).max(initial=0)))
+
+
+def outlined(picture: Array) -> float:
+    """Whether a picture (h, w, c) is grain, 0, or has elements with outlines, 1: few steps are large, the rest small.
+
+    Told by the kurtosis of the steps between neighbouring pixels.
+    """
+    steps = [(np.diff(picture, axis=axis) ** 2).sum(axis=-1).ravel() for axis in (0, 1)]
+    squared = np.concatenate(steps).astype(np.float64)
+    mean = float(squared.mean()) if squared.size else 0.0
+    kurtosis = float((squared**2).mean()) / mean**2 if mean > 0 else 0.0
+    return float(np.interp(kurtosis, (GRAIN, OUTLINES), (0, 1)))
 
 
 def _autocorrelation(image: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.intp]]:

@@ -171,8 +171,9 @@ def _charges(level: Level, before: _Match, share: float, turn: tuple[int, int]) 
     crowd = None
     if windows.variance > 0 and turn != (0, 0) and _fresh(level, before, turn):
         crowd = evenness.crowd(
-            before.field, windows.relief, variance=windows.variance, evenness=share, step=frame.grid.step
-        )
+            before.field, windows.relief,
+            variance=windows.variance, evenness=share, step=frame.grid.step, grain=windows.grain,
+        )  # fmt: skip
     overuse = evenness.charge(
         windows.share, windows.relief, before.field, before.mean,
         evenness=share, radius=frame.grid.window // 2, step=frame.grid.step, allowed=windows.allowed,

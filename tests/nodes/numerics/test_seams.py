@@ -1,10 +1,8 @@
 import numpy as np
-import pytest
 
 from graphtex import Context
-from graphtex_nodes.image.exemplars.sample import sample
 from graphtex_nodes.numerics.recut import Costs
-from graphtex_nodes.numerics.seams import fade_seams, move_seams, outlined
+from graphtex_nodes.numerics.seams import fade_seams, move_seams
 from graphtex_nodes.numerics.sources import coherence
 
 RNG = np.random.default_rng(2)
@@ -99,14 +97,3 @@ def test_differences_leave_out_what_cannot_be_continued():
     _, steps = fade_seams(exemplar, USABLE, two_pieces(10), channels=1, work=Context())
     assert (steps[0, -1] == 0).all()
     np.testing.assert_array_equal(steps[0, :-1, 0], exemplar[1:, 0] - exemplar[:-1, 0])
-
-
-@pytest.mark.parametrize(("name", "share"), [("sand", 0), ("pebbles", 1), ("bricks", 1), ("flowers", 1)])
-def test_elements_have_outlines_and_grain_has_none(name, share):
-    picture = sample(name=name)
-    assert outlined(picture) == share
-    assert outlined(3 * picture[::-1]) == share
-
-
-def test_nothing_has_no_outlines():
-    assert outlined(np.zeros((1, 1, 3), np.float32)) == outlined(np.ones((9, 9, 1), np.float32)) == 0

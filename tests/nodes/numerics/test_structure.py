@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from graphtex_nodes.image.exemplars.sample import sample
 from graphtex_nodes.numerics.levels import FEW, Stage, automatic_levels, eased, fitting, most_levels, stages
-from graphtex_nodes.numerics.structure import structure
+from graphtex_nodes.numerics.structure import outlined, structure
 
 NOISE = np.random.default_rng(0).random((128, 128, 1)).astype(np.float32)
 
@@ -89,3 +90,14 @@ def test_few_usable_pixels_make_smaller_windows():
     usable[10:18, 10:18] = True
     assert usable.sum() <= FEW
     assert fitting([Stage(0, 8, 3)], [usable]) == [Stage(0, 5, 3)]
+
+
+@pytest.mark.parametrize(("name", "share"), [("sand", 0), ("pebbles", 1), ("bricks", 1), ("flowers", 1)])
+def test_elements_have_outlines_and_grain_has_none(name, share):
+    picture = sample(name=name)
+    assert outlined(picture) == share
+    assert outlined(3 * picture[::-1]) == share
+
+
+def test_nothing_has_no_outlines():
+    assert outlined(np.zeros((1, 1, 3), np.float32)) == outlined(np.ones((9, 9, 1), np.float32)) == 0
