@@ -107,7 +107,7 @@ def exemplar_windows(
 
     They are without coordinates where no iteration looks for any, as what was found before is copied.
     """
-    window, width = stage.window, rim(stage.window, given.usable)
+    window, width = stage.window, rim(stage.window, given.usable, problem.grain)
     exemplar = np.pad(given.exemplar, ((width,) * 2, (width,) * 2, (0, 0)), "symmetric") if width else given.exemplar
     colours, channels = problem.exemplar.shape[2], exemplar.shape[2]
     counted = slice(None) if given.usable is None else given.usable
@@ -126,19 +126,19 @@ def exemplar_windows(
     weights = [*(settings.weights or [1.0] * colours), *[1.0] * (channels - colours)]
     basis = principal_basis(exemplar, window, groups, settings.variance, work, allowed, weights, settings.directions)
     features = basis.project(exemplar, 1, work, allowed)
-    market, variance, grain = None, 0.0, 0.0
+    market, variance = None, 0.0
     if given.known is None:
         market = evenness.places(features, share, evenness=settings.evenness, step=step, allowed=allowed)
         if evenness.crowded(share, evenness=settings.evenness, allowed=allowed):
             variance = float(features.var(axis=(0, 1), dtype=np.float64).sum())
-            grain = problem.grain
     relief = evenness.local_relief(exemplar[..., :colours], window)
     homes = None
     if problem.origin is not None:
         homes = evenness.homes(problem.origin, (share.shape[0], share.shape[1]), window, stage.level, width)
     return Windows(
-        exemplar, width, basis, features, histograms, relief, share, allowed, nearest, market, variance, grain, homes
-    )
+        exemplar, width, basis, features, histograms, relief, share, allowed, nearest, market, variance, problem.grain,
+        homes,
+    )  # fmt: skip
 
 
 def quick(stage: Stage, given: Given) -> bool:

@@ -192,9 +192,9 @@ def optimize(
     between large areas count; windows in frequent use are charged, as in Kaspar et al. (2015), on coarse levels by the
     prices of optimal transport (Gutierrez et al. 2017), so that all parts keep their share of the area; windows of a
     plain synthesis pay there for copies of what they show up to half an exemplar away, so that repeats keep apart;
-    windows reach over the exemplar's border by a quarter of their side, where it is mirrored, so that what lies there
-    is shown too (nothing mirrored is copied); five levels for 256 pixels instead of three; the final image is not the
-    mean, which smudges seams.
+    windows reach over the exemplar's border by a quarter of their side or more, where it is mirrored, so that what lies
+    there is shown too (nothing mirrored is copied); long copies are charged in exemplars without outlines; five levels
+    for 256 pixels instead of three; the final image is not the mean, which smudges seams.
 
     The result depends on the inputs, the parameters and the seed only, not on the number of threads.
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from graphtex_nodes.image.exemplars.sample import sample
-from graphtex_nodes.numerics.levels import FEW, Stage, automatic_levels, eased, fitting, most_levels, stages
+from graphtex_nodes.numerics.levels import FEW, Stage, automatic_levels, eased, fitting, most_levels, rim, stages
 from graphtex_nodes.numerics.structure import outlined, structure
 
 NOISE = np.random.default_rng(0).random((128, 128, 1)).astype(np.float32)
@@ -101,3 +101,10 @@ def test_elements_have_outlines_and_grain_has_none(name, share):
 
 def test_nothing_has_no_outlines():
     assert outlined(np.zeros((1, 1, 3), np.float32)) == outlined(np.ones((9, 9, 1), np.float32)) == 0
+
+
+def test_rims_are_wider_in_grain():
+    """A quarter of a window's side, three eighths in grain; none where parts may not be used, nor at one pixel."""
+    assert [rim(window, None, 0.0) for window in (16, 8, 6, 1)] == [4, 2, 1, 0]
+    assert [rim(window, None, 1.0) for window in (16, 8, 6, 1)] == [6, 3, 2, 0]
+    assert rim(8, np.ones((20, 20), bool), 1.0) == 0
