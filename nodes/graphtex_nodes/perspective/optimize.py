@@ -143,10 +143,10 @@ def optimize(
         Half of them are on the finest level; the next one has one more than these, the third three times as many, and
         coarser ones six times as many, at most 18.
     exponent, histogram, evenness, variance, detail
-        r of the energy; gain of histogram matching; charge for windows used more often than others of their scale, in
-        mean distances (on coarse levels firmness of prices at which all are used evenly); share of variance that PCA
-        keeps, for colours and scale apart; how far its components of colour are evened, from 0 (plain distances) to 1
-        (whitened).
+        r of the energy; gain of histogram matching; charge for windows used more than once and than others of their
+        scale, turned copies together, in mean distances (on coarse levels firmness of prices at which all are used
+        evenly); share of variance that PCA keeps, for colours and scale apart; how far its components of colour are
+        evened, from 0 to 1 (whitened).
     pca
         ``apart`` keeps the whole of the scale's and direction's main components; ``joint`` is the paper's first form.
     kinds, map_weights
@@ -162,9 +162,8 @@ def optimize(
         visibly less; larger ones bring the foreshortening of other distances. A picture and its mirror image join
         without a seam, so ``mirror`` may leave symmetric places.
     angle_weight, turn_step, arrows
-        With ``target_angle``, copies of the exemplar serve that are turned by multiples of ``turn_step``, as far as
-        their directions are wanted; each takes as much memory as the exemplar. Without ``arrows`` a copy that stands
-        on its head is the same.
+        With ``target_angle`` copies of the exemplar serve, turned by multiples of ``turn_step`` as far as directions
+        are wanted; each takes as much memory as the exemplar. Without ``arrows`` one on its head is the same.
     quality
         ``fast`` halves the passes of a search and the iterations, and does not cut pieces anew: about half the time.
         ``preview`` takes a tenth, and is coarse: it leaves an eighth of the iterations and looks for nothing on the two
