@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from graphtex import Elements
 from graphtex_nodes.splicing._detection import Detection, Search
-from graphtex_nodes.splicing._doubts import DOUBTFUL, trust
+from graphtex_nodes.splicing._doubts import DOUBTFUL, SHOWN_ALONE, hardly_shown, trust
+from graphtex_nodes.splicing._lone import few_parts
 from graphtex_nodes.splicing._nearness import common_offset
 from graphtex_nodes.splicing._packed import outline_fit, touching
 from graphtex_nodes.splicing._partitions import (
@@ -85,7 +86,21 @@ def choose(image: Array, search: Search) -> Choice | None:
         if max(image.shape[:2]) <= FINE * side:
             break
         side *= 2
+    if best is None or best.confidence < DOUBTFUL:
+        few = _few(even_and_small(image), search)
+        best = few if best is None or (few is not None and few.confidence > best.confidence) else best
     return best
+
+
+def _few(even: Even, search: Search) -> Choice | None:
+    """One to three elements that are nearly all there is to see."""
+    for parts in few_parts(even):
+        choice = _of_parts(parts, search)
+        poses, (width, height) = choice.found.poses, choice.size
+        elements = Elements(poses.points / even.step, poses.angles, poses.scales)
+        if hardly_shown(even.picture, elements, width / even.step, height / even.step, SHOWN_ALONE) is None:
+            return choice
+    return None
 
 
 def _judged(even: Even, search: Search) -> Choice | None:

@@ -40,13 +40,18 @@ def trust(image: Array, elements: Elements, scores: Array, width: float, height:
     )
 
 
-def hardly_shown(image: Array, elements: Elements, width: float, height: float) -> float | None:
+def hardly_shown(
+    image: Array, elements: Elements, width: float, height: float, least: float | None = None
+) -> float | None:  # fmt: skip
     """Share of the squared changes of colour in and around elements, if it is too little for what a texture shows.
 
-    Squares, since a lone element on a noisy ground has few pixels that change, but these change most.
+    That is less than `least`, by default what one alone or several should have. Squares, since a lone element on a
+    noisy ground has few pixels that change, but these change most.
     """
     share = _share(squared_change(image), elements, width, height)
-    return share if share < (SHOWN if len(elements.points) > 1 else SHOWN_ALONE) else None
+    if least is None:
+        least = SHOWN if len(elements.points) > 1 else SHOWN_ALONE
+    return share if share < least else None
 
 
 def _explained(image: Array, elements: Elements, width: float, height: float) -> float:

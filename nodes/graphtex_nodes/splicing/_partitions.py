@@ -238,7 +238,10 @@ def _root(root: Array, index: int) -> int:
     return index
 
 
-def measured(labels: Array, contrast: float, step: float, size: tuple[int, ...], rim: float = 0.0) -> Parts | None:
+def measured(
+    labels: Array, contrast: float, step: float, size: tuple[int, ...], rim: float = 0.0, least: int = LEAST_COUNT,
+    largest: float = LARGEST_SHARE,
+) -> Parts | None:  # fmt: skip
     """What the parts of a reduced picture measure, which stand apart so much; None for too few of them."""
     from scipy.ndimage import find_objects
 
@@ -251,7 +254,7 @@ def measured(labels: Array, contrast: float, step: float, size: tuple[int, ...],
         return result
 
     areas = np.bincount(index, minlength=count).astype(np.float64)
-    if count < LEAST_COUNT:
+    if count < least:
         return None
     x, y = means(column), means(row)
     # a pixel is a square: it has a second moment of its own
@@ -260,9 +263,9 @@ def measured(labels: Array, contrast: float, step: float, size: tuple[int, ...],
     roundness = areas / (4 * np.pi * np.sqrt(np.maximum(across * down - skew * skew, 1e-9)))
     boxes = np.array([[r.start, r.stop, c.start, c.stop] for r, c in find_objects(labels)])
     whole = (boxes[:, [0, 2]] > 0).all(axis=1) & (boxes[:, [1, 3]] < labels.shape).all(axis=1)
-    large = areas > LARGEST_SHARE * labels.size
+    large = areas > largest * labels.size
     fits = whole & ~large & (areas >= LEAST_SIDE**2)
-    if np.count_nonzero(fits) < LEAST_COUNT:
+    if np.count_nonzero(fits) < least:
         return None
     share = areas[fits] / areas[fits].sum()
     sizes = np.log(areas[fits])

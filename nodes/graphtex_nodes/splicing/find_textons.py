@@ -65,8 +65,8 @@ def find_textons(
         share covered once x regularity), and a second kind if that explains more. Where it misses parts of the best
         partition, or these differ in size, and the parts look more like elements than it explains, all parts are
         elements, however unlike: stones of a wall, say. Where this is doubtful and the picture repeats itself, as
-        checked cloth does, its cells may be the elements. Centres of a single kind are moved together to where the
-        outlines tell the colours apart best.
+        checked cloth does, its cells may be the elements, and one to three parts that are nearly all there is to see.
+        Centres of a single kind are moved together to where the outlines tell the colours apart best.
     turn, growth
         Ranges of the search. When any is used, templates every 15 degrees and factor 1.2 are tried, and the matches
         are refined. Angles and scales are relative to the example. Matching then goes by colours' shares of the light

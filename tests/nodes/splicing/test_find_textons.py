@@ -106,6 +106,31 @@ def lone(noise: float) -> np.ndarray:
     return (image + np.random.default_rng(0).normal(0, noise, image.shape)).clip(0, 1).astype(np.float32)
 
 
+@pytest.mark.parametrize("places", [[(60, 66, 12)], [(64, 64, 40)], [(35, 40, 15), (90, 80, 15), (40, 95, 12)]])
+def test_few_elements_are_all_there_is_to_see(places):
+    """One to three discs on noisy ground are no texture, but what else should they be?"""
+    y, x = np.mgrid[:128, :128]
+    away = np.min([np.hypot(x - left, y - top) / radius for left, top, radius in places], axis=0)
+    image = np.where((away < 1)[..., None], (0.9, 0.3, 0.1), (0.3, 0.5, 0.3))
+    image = image + np.random.default_rng(0).normal(0, 0.02, image.shape)
+    told: list[str] = []
+    found = find_textons(image.clip(0, 1).astype(np.float32), ctx=Context(on_warning=told.append))
+    assert told == []
+    order = np.argsort(found.points[:, 0])
+    np.testing.assert_allclose(found.points[order], sorted((left, top) for left, top, _ in places), atol=1)
+    sizes = 2 * np.array([radius for _, _, radius in sorted(places)])
+    np.testing.assert_allclose(found.width * found.elements.scales[order], sizes, atol=2)
+
+
+def test_blotches_of_noise_are_not_few_elements():
+    for seed in range(3):
+        noise = gaussian_filter(np.random.default_rng(seed).normal(size=(96, 96)), 8)
+        image = (0.5 + 0.15 * noise / noise.std()).clip(0, 1)[..., None].astype(np.float32)
+        told: list[str] = []
+        assert find_textons(image, ctx=Context(on_warning=told.append)).confidence < 0.5
+        assert told
+
+
 @pytest.mark.parametrize(
     ("image", "place", "size", "wrong"),
     [
