@@ -21,11 +21,11 @@ from graphtex_nodes.splicing._partitions import (
     even_and_small,
     partitions,
 )
-from graphtex_nodes.splicing._pattern import distances
+from graphtex_nodes.splicing._pattern import regularity
 from graphtex_nodes.splicing._peaks import score_floor
 from graphtex_nodes.splicing._poses import Poses
 from graphtex_nodes.splicing._proposals import Proposal, enlarged, from_parts, from_repeats, proposals
-from graphtex_nodes.splicing._templates import Example
+from graphtex_nodes.splicing._templates import Example, OneColourError
 
 Array = NDArray[Any]
 
@@ -263,7 +263,10 @@ def _astray(choice: Choice, parts: Parts) -> float:
 
 
 def _trial(guess: Proposal, search: Search, shape: tuple[int, ...]) -> float:
-    poses = search.tried(guess.example)
+    try:
+        poses = search.tried(guess.example)
+    except OneColourError:  # light was taken off before guessing: what is left may be white all over
+        return 0.0
     return guess.merit * explained(_likely(poses, score_floor(poses.scores)), [guess.example], shape)
 
 
@@ -291,9 +294,3 @@ def explained(poses: Poses, examples: list[Example], shape: tuple[int, ...]) -> 
         covered[top : max(0, round(y + down)), left : max(0, round(x + across))] += 1
     share = max(0.0, float((covered > 0).mean() - (covered > 1).mean()))
     return float(poses.scores.mean() * np.sqrt(share) * regularity(poses.points))
-
-
-def regularity(points: Array) -> float:
-    """1 where all points are equally far from their nearest neighbour, less the more these distances vary."""
-    nearest = distances(points)
-    return float(1 / (1 + nearest.std() / max(nearest.mean(), 1e-9)))

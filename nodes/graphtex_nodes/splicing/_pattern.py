@@ -43,6 +43,12 @@ def distances(points: Array) -> Array:
     return found
 
 
+def regularity(points: Array) -> float:
+    """1 where all points are equally far from their nearest neighbour, less the more these distances vary."""
+    nearest = distances(points)
+    return float(1 / (1 + nearest.std() / max(nearest.mean(), 1e-9)))
+
+
 def orientations(points: Array, unit: float) -> Array:
     """Angles (degrees, clockwise, in [0, 180)) of the pattern's rows, strongest first; empty if it has none.
 

@@ -20,6 +20,10 @@ class Example(BaseModel):
     height: Annotated[float, Field(ge=3, le=4096)]
 
 
+class OneColourError(ValueError):
+    """There is nothing but one colour in an element's box."""
+
+
 def check_inside(example: Example, shape: tuple[int, ...], name: str) -> None:
     """ValueError for an element whose centre is not in a picture of that shape."""
     height, width = shape[:2]
@@ -50,7 +54,7 @@ def cut_out(
 
     Raises
     ------
-    ValueError
+    OneColourError
         There is nothing but one colour in the element.
     """
     from scipy.ndimage import map_coordinates
@@ -69,7 +73,7 @@ def cut_out(
     if round_mask:
         mask &= (x[None, :] * 2 / sides[1]) ** 2 + (y[:, None] * 2 / sides[0]) ** 2 <= 1.1
     if np.ptp(template[mask], axis=0).max() <= 1e-6:
-        raise ValueError(
+        raise OneColourError(
             f"{name}: expected an element that stands out from what is around it, got a box of one colour: give x and "
             f"y of its centre, and its whole width and height, in pixels"
         )

@@ -130,8 +130,8 @@ def find_textons(
         choice = choose(image, sought)
         if choice is None:
             raise ValueError(
-                f"image: expected at least 4 alike elements, found none in {image.shape[1]} x {image.shape[0]} pixels; "
-                f"give one in examples"
+                f"image: expected alike elements, or one alone, found none in {image.shape[1]} x {image.shape[0]} "
+                f"pixels; give one in examples"
             )
         given, found, floor, confidence = choice.examples, choice.found, choice.floor, choice.confidence
         if confidence < DOUBTFUL:

@@ -122,6 +122,15 @@ def test_few_elements_are_all_there_is_to_see(places):
     np.testing.assert_allclose(found.width * found.elements.scales[order], sizes, atol=2)
 
 
+def test_what_is_white_all_over_is_no_example():
+    """Without the slow changes of light a blotch, cut off at white, has spots that the picture itself has not."""
+    noise = gaussian_filter(np.random.default_rng(0).normal(size=(128, 128)), 30)
+    image = (0.5 + 0.2 * (noise - noise.mean()) / noise.std()).clip(0, 1)
+    told: list[str] = []
+    find_textons(np.repeat(image[..., None], 3, axis=2).astype(np.float32), ctx=Context(on_warning=told.append))
+    assert "give one in examples" in told[0]
+
+
 def test_blotches_of_noise_are_not_few_elements():
     for seed in range(3):
         noise = gaussian_filter(np.random.default_rng(seed).normal(size=(96, 96)), 8)
@@ -209,7 +218,7 @@ def test_large_element_searches_a_smaller_picture():
 
 @pytest.mark.parametrize("shape", [(1, 1, 3), (1, 40, 3), (64, 64, 1)])
 def test_nothing_to_find(shape):
-    with pytest.raises(ValueError, match="image: expected at least 4 alike elements, found none"):
+    with pytest.raises(ValueError, match="image: expected alike elements, or one alone, found none"):
         find_textons(np.full(shape, 0.5, np.float32))
 
 
