@@ -107,7 +107,7 @@ def exemplar_windows(
 
     They are without coordinates where no iteration looks for any, as what was found before is copied.
     """
-    window, width = stage.window, rim(stage.window, given.usable, problem.grain)
+    window, width = stage.window, rim(stage.window, given.usable, given.grain)
     exemplar = np.pad(given.exemplar, ((width,) * 2, (width,) * 2, (0, 0)), "symmetric") if width else given.exemplar
     colours, channels = problem.exemplar.shape[2], exemplar.shape[2]
     counted = slice(None) if given.usable is None else given.usable
@@ -136,7 +136,7 @@ def exemplar_windows(
     if problem.origin is not None:
         homes = evenness.homes(problem.origin, (share.shape[0], share.shape[1]), window, stage.level, width)
     return Windows(
-        exemplar, width, basis, features, histograms, relief, share, allowed, nearest, market, variance, problem.grain,
+        exemplar, width, basis, features, histograms, relief, share, allowed, nearest, market, variance, given.grain,
         homes,
     )  # fmt: skip
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,11 +112,6 @@ class Problem:
         """Which pixels of the exemplar (h, w) may be shown."""
         return np.ones(self.exemplar.shape[:2], bool) if self.usable is None else self.usable
 
-    @cached_property
-    def grain(self) -> float:
-        """1 where the exemplar is grain, 0 where it has elements with outlines, which noise of pixels may hide."""
-        return 1 - outlined(pyramid(self.exemplar, 2)[1])
-
     @property
     def voted(self) -> int:
         """How many channels the vote fills."""
@@ -164,7 +158,10 @@ class Result:
 
 @dataclass(frozen=True)
 class Given:
-    """All that is given, on one level."""
+    """All that is given, on one level.
+
+    ``grain`` is 1 where the exemplar is grain, and 0 where it has elements with outlines.
+    """
 
     exemplar: Array
     usable: Flags | None
@@ -172,6 +169,7 @@ class Given:
     target: Array | None
     start: Array | None
     known: Flags | None
+    grain: float
 
 
 def pyramids(problem: Problem, levels: int) -> list[Given]:
@@ -194,5 +192,8 @@ def pyramids(problem: Problem, levels: int) -> list[Given]:
     elif problem.start is not None:
         start = pyramid(problem.start, levels)
     targets = nothing if problem.target is None else pyramid(problem.target, levels)
-    given = zip(exemplars, usable, importances, targets, start, known, strict=True)
+    # noise of single pixels may hide outlines
+    half = exemplars[1] if levels > 1 else pyramid(problem.exemplar, 2)[1]
+    grains = [1 - outlined(half[..., : problem.exemplar.shape[2]])] * levels
+    given = zip(exemplars, usable, importances, targets, start, known, grains, strict=True)
     return [Given(*level) for level in given]

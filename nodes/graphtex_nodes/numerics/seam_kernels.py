@@ -137,10 +137,11 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, steps, first, st
     Unlike a blur, this keeps the detail of each piece. Pieces that cannot be continued up to the pixel are left out.
     Known pixels, whose source is negative, become 0.
     ``steps`` (2, h, w * channels) become the same means of the pieces' own differences to the pixel below and to the
-    right, 0 where no piece goes on.
+    right, 0 where no piece goes on; (0, h, w * channels) if they are not wanted.
     """
     height, width = source.shape[0], source.shape[1]
     channels = image.shape[1] // width
+    axes = steps.shape[0]
     radius = RADIUS
     side = 2 * radius + 1
     near = np.zeros(width + 2 * radius, np.uint8)
@@ -174,17 +175,20 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, steps, first, st
             start = x * channels
             row, column = source[y, x, 0], source[y, x, 1]
             if row < 0:
-                for c in range(channels):
-                    image[y, start + c] = steps[0, y, start + c] = steps[1, y, start + c] = 0
+                image[y, start : start + channels] = 0
+                steps[:, y, start : start + channels] = 0
                 x += 1
                 continue
             if not close[x]:
                 while x < width and not close[x]:
                     x += 1
+                for index in range(x * channels - start):
+                    image[y, start + index] = exemplar[row, column * channels + index]
+                if axes == 0:
+                    continue
                 below = min(row + 1, exemplar.shape[0] - 1)
                 inner = (x - (x == width)) * channels  # behind the last column a piece need not go on
                 for index in range(x * channels - start):
-                    image[y, start + index] = exemplar[row, column * channels + index]
                     steps[0, y, start + index] = (
                         exemplar[below, column * channels + index] - exemplar[row, column * channels + index]
                     )
@@ -220,8 +224,8 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, steps, first, st
             support[index] = weight
             used = 0
             totals[:] = 0
-            for c in range(channels):
-                image[y, start + c] = steps[0, y, start + c] = steps[1, y, start + c] = 0
+            image[y, start : start + channels] = 0
+            steps[:, y, start : start + channels] = 0
             for index in range(count):
                 ey = y + (pieces[index] >> 32)
                 ex = x + np.int64(np.int32(pieces[index] & 0xFFFFFFFF))
@@ -231,7 +235,7 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, steps, first, st
                 totals[2] += support[index]
                 for c in range(channels):
                     image[y, start + c] += support[index] * exemplar[ey, ex * channels + c]
-                for axis in range(2):
+                for axis in range(axes):
                     ny, nx = ey + 1 - axis, ex + axis
                     if copied(usable, ny, nx):
                         totals[axis] += support[index]
@@ -243,7 +247,7 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, steps, first, st
                     image[y, start + c] = exemplar[row, column * channels + c]
                 else:
                     image[y, start + c] /= totals[2]
-            for axis in range(2):
+            for axis in range(axes):
                 if totals[axis] > 0:
                     for c in range(channels):
                         steps[axis, y, start + c] /= totals[axis]

@@ -83,9 +83,10 @@ def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[
     source = np.ascontiguousarray(source)
     if not steps.fade:
         return _with_known(problem, problem.exemplar[source[..., 0], source[..., 1]]), source
-    image, own = fade_seams(exemplar, usable, around(source), channels=colours, work=work)
+    bent = steps.level or problem.known is not None
+    image, own = fade_seams(exemplar, usable, around(source), channels=colours, work=work, differences=bent)
     image = _with_known(problem, np.ascontiguousarray(image[inside]))
-    if steps.level or problem.known is not None:
+    if bent:
         own = np.ascontiguousarray(own[:, inside[0], inside[1]])
         image = _bent(problem, image, own, source, variance, steps.bends, work)
     return image, source
@@ -164,20 +165,21 @@ def seam_pixels(source: Field, work: Work) -> NDArray[np.uint8]:
 
 
 def fade_seams(
-    exemplar: Array, usable: NDArray[np.uint8], source: Field, *, channels: int, work: Work
+    exemplar: Array, usable: NDArray[np.uint8], source: Field, *, channels: int, work: Work, differences: bool = True
 ) -> tuple[Array, Array]:
     """Image (h, w, channels) of a source map in which pieces fade into each other over about :data:`RADIUS` pixels.
 
     Pixels farther than that from a seam are the exemplar's own. Known pixels (negative source) are 0. The second array
-    (2, h, w, channels) are the pieces' own differences to the pixels below and to the right, faded in the same way.
+    (2, h, w, channels) are the pieces' own differences to the pixels below and to the right, faded in the same way; it
+    is empty if no ``differences`` are wanted.
     """
     place = np.arange(-RADIUS, RADIUS + 1) / RADIUS
     line = np.exp(-2 * place**2)
     falloff = np.outer(line, line).astype(np.float32)
     colours = np.ascontiguousarray(exemplar[..., :channels]).reshape(len(exemplar), -1)
     image = np.empty((*source.shape[:2], channels), np.float32)
-    steps = np.empty((2, *image.shape), np.float32)
-    lines, step_lines = image.reshape(len(image), -1), steps.reshape(2, len(image), -1)
+    steps = np.empty((2 * differences, *image.shape), np.float32)
+    lines, step_lines = image.reshape(len(image), -1), steps.reshape(len(steps), len(image), image.shape[1] * channels)
     seams = seam_pixels(source, work)
 
     def band(first: int, stop: int) -> None:

@@ -66,7 +66,7 @@ def outlined(picture: Array) -> float:
 
     Told by the kurtosis of the steps between neighbouring pixels.
     """
-    steps = [(np.diff(picture, axis=axis) ** 2).sum(axis=-1).ravel() for axis in (0, 1)]
+    steps = [np.einsum("ijk,ijk->ij", step, step).ravel() for step in (np.diff(picture, axis=axis) for axis in (0, 1))]
     squared = np.concatenate(steps).astype(np.float64)
     mean = float(squared.mean()) if squared.size else 0.0
     kurtosis = float((squared**2).mean()) / mean**2 if mean > 0 else 0.0

@@ -91,6 +91,14 @@ def test_faded_differences_are_the_pieces_own():
     np.testing.assert_allclose(steps[1, :, :-1], 0.02, atol=1e-6)
 
 
+def test_an_image_is_the_same_without_differences():
+    exemplar = RNG.random((12, 60, 2)).astype(np.float32)
+    image, _ = fade_seams(exemplar, USABLE, two_pieces(10), channels=2, work=Context())
+    alone, steps = fade_seams(exemplar, USABLE, two_pieces(10), channels=2, work=Context(), differences=False)
+    np.testing.assert_array_equal(alone, image)
+    assert steps.size == 0
+
+
 def test_differences_leave_out_what_cannot_be_continued():
     """Neither piece goes on beyond the exemplar's last row: no difference is wanted there."""
     exemplar = RNG.random((12, 60, 1)).astype(np.float32)
