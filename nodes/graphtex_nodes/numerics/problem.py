@@ -193,7 +193,7 @@ def pyramids(problem: Problem, levels: int) -> list[Given]:
         start = pyramid(problem.start, levels)
     targets = nothing if problem.target is None else pyramid(problem.target, levels)
     # noise of single pixels may hide outlines
-    half = exemplars[1] if levels > 1 else pyramid(problem.exemplar, 2)[1]
-    grains = [1 - outlined(half[..., : problem.exemplar.shape[2]])] * levels
+    first = min(1, levels - 1)
+    grains = [1 - outlined(exemplars[first][..., : problem.exemplar.shape[2]], usable[first])] * levels
     given = zip(exemplars, usable, importances, targets, start, known, grains, strict=True)
     return [Given(*level) for level in given]

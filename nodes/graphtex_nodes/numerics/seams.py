@@ -70,7 +70,7 @@ def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[
             values = values.take(np.arange(-more, side + more) % side, axis) if more else values
         return values
 
-    share = 0.0 if problem.guide is None else outlined(problem.exemplar)
+    share = 0.0 if problem.guide is None else outlined(problem.exemplar, problem.usable)
     pull, join = (float(first ** (1 - share) * second**share) for first, second in (PULL, JOIN))
     pulls = np.where(np.arange(exemplar.shape[2]) < colours, pull, GUIDE_PULL).astype(np.float32)
     costs = Costs(pulls, join * variance, BUSY * variance)

@@ -61,13 +61,15 @@ def structure(image: Array) -> Structure:
     return Structure(period, float(np.flatnonzero(power >= RELATED**2).max(initial=0)))
 
 
-def outlined(picture: Array) -> float:
+def outlined(picture: Array, usable: NDArray[np.bool_] | None = None) -> float:
     """Whether a picture (h, w, c) is grain, 0, or has elements with outlines, 1: few steps are large, the rest small.
 
-    Told by the kurtosis of the steps between neighbouring pixels.
+    Told by the kurtosis of the steps between neighbouring pixels that are both ``usable`` (h, w); None = all are.
     """
-    steps = [np.einsum("ijk,ijk->ij", step, step).ravel() for step in (np.diff(picture, axis=axis) for axis in (0, 1))]
-    squared = np.concatenate(steps).astype(np.float64)
+    steps = [np.einsum("ijk,ijk->ij", step, step) for step in (np.diff(picture, axis=axis) for axis in (0, 1))]
+    if usable is not None:
+        steps = [steps[0][usable[1:] & usable[:-1]], steps[1][usable[:, 1:] & usable[:, :-1]]]
+    squared = np.concatenate([each.ravel() for each in steps]).astype(np.float64)
     mean = float(squared.mean()) if squared.size else 0.0
     kurtosis = float((squared**2).mean()) / mean**2 if mean > 0 else 0.0
     return float(np.interp(kurtosis, (GRAIN, OUTLINES), (0, 1)))

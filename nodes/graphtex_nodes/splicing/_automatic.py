@@ -111,7 +111,10 @@ def _judged(even: Even, search: Search) -> Choice | None:
     guess = from_repeats(even)
     if guess is None:
         return choice
-    cells = _trusted(_searched([guess.example], guess.merit, search, even.size), even)
+    try:
+        cells = _trusted(_searched([guess.example], guess.merit, search, even.size), even)
+    except OneColourError:
+        return choice
     return max((each for each in (choice, cells) if each is not None), key=lambda each: each.confidence)
 
 

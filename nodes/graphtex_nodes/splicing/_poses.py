@@ -121,6 +121,8 @@ def refined(
     """
     from scipy.ndimage import gaussian_filter1d
 
+    if not len(poses.points):
+        return poses
     smooth = image
     for axis in (0, 1):
         smooth = gaussian_filter1d(smooth, 0.5 * step, axis=axis, mode="mirror") if step > 1 else smooth

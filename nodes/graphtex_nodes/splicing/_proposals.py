@@ -87,7 +87,9 @@ def from_repeats(even: Even) -> Proposal | None:
     if found is None:
         return None
     width, height, merit = found
-    channel = next(colour_channels(even.picture))
+    channel = next(colour_channels(even.picture), None)
+    if channel is None:
+        return None
     spots = gaussian_filter(channel, min(width, height) / 4, mode="mirror")
     top, left = (max(0, int((side - size) / 2)) for side, size in zip(channel.shape, (height, width), strict=True))
     window = np.s_[top : top + int(height) + 1, left : left + int(width) + 1]

@@ -103,7 +103,8 @@ def drawn(
     pixels = np.stack([columns, rows], axis=1) + corner
     own = blocks.outlines[kind]
     if outline is None:
-        return np.tile(own.mean(axis=0), (len(pixels), 1)), np.zeros(len(pixels), bool)
+        joint = own[0] + blocks.outward[kind, 0] * blocks.reach[kind, 0]
+        return np.tile(joint, (len(pixels), 1)), np.zeros(len(pixels), bool)
     outline = evenly(outline, CORNERS)
     first = _start(own, outline, angle)
     own, outward, reach = (np.roll(each[kind], -first, axis=0) for each in blocks[:3])

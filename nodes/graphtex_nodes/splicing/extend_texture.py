@@ -38,11 +38,11 @@ def extend_texture(
 ) -> Extension:
     """Carry a texture on, so that an arrangement over the whole window finds an element for each of its places.
 
-    The picture stays in the middle of the window. Copies of the whole picture are laid around it, one after the other:
+    The picture stays in the middle of the window. Copies of it as a whole are laid around it, one after the other:
     each where it agrees best (mean squared difference of colour and mask over the overlap, by FFT) among the places
     that cover much of what is still empty, joined by a minimum cut that avoids the elements. Mask, points and the
-    coordinates of all pixels follow. Of a texture with a single element only what is around this is repeated, so that
-    there are elements to be arranged.
+    coordinates of all pixels follow. Of a texture with a single element only what is around this is repeated, from the
+    middle of the window on, so that there are elements to be arranged.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def checked(texture: Texture, name: str = "texture") -> str:
 def _lone_element(texture: Texture) -> tuple[tuple[slice, slice], tuple[int, int]]:
     """The part of a texture around its only element, and the distance (rows, columns) of its copies.
 
-    On each side there is ground, half as wide as the element if the picture reaches so far; half of it is overlapped.
+    On each side there is ground, a quarter as wide as the element if the picture reaches so far; half is overlapped.
     """
     pixels = np.argwhere(texton_labels(texture.mask, texture.points) == 0)
     if not len(pixels):

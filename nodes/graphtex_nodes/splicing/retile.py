@@ -85,8 +85,8 @@ def retile(
     Raises
     ------
     ValueError
-        The texture's parts do not fit together, the picture does not have the size of the window, or the moves are of
-        another extension.
+        The texture's parts do not fit together, the picture does not have the size of the window, the moves are of
+        another extension, or a place asks for a scale that is not positive.
 
     Notes
     -----
@@ -107,6 +107,8 @@ def retile(
         raise ValueError(f"image: expected {texture.image.shape[2]} channels as the texture, got {image.shape[2]}")
     if len(moves.points) != len(elements.points):
         raise ValueError(f"moves: expected {len(elements.points)} textons as elements, got {len(moves.points)}")
+    if not (moves.scales[moves.matched > 0] > 0).all():
+        raise ValueError(f"moves: expected positive scales, got {moves.scales[moves.matched > 0].min():g}")
     given = Retiling(image, mask, source, holes, np.full(size, -1, np.int32))
     if when == "never" or tag != "B=c" or not _stiff(elements, moves):
         return given

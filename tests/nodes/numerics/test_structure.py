@@ -99,6 +99,14 @@ def test_elements_have_outlines_and_grain_has_none(name, share):
     assert outlined(3 * picture[::-1]) == share
 
 
+def test_the_border_of_a_mask_is_no_outline():
+    picture, usable = sample(name="sand"), np.zeros((256, 256), bool)
+    usable[40:200, 60:220] = True
+    masked = picture * usable[..., None]
+    assert outlined(masked) == 1
+    assert outlined(masked, usable) == 0
+
+
 def test_nothing_has_no_outlines():
     assert outlined(np.zeros((1, 1, 3), np.float32)) == outlined(np.ones((9, 9, 1), np.float32)) == 0
 

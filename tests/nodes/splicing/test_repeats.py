@@ -86,3 +86,20 @@ def test_flowers_that_touch_are_found_whole(seed):
     assert told == []
     assert agreement(found.points, made, 24.0)[0] >= 0.98
     assert found.width > 20
+
+
+@pytest.mark.parametrize("contrast", [1e-4, 3e-5])
+def test_faint_cloth_is_an_answer_or_a_warning(contrast):
+    told = []
+    faint = 0.5 + contrast * (cloth(24, 36) - 0.5)
+    found = find_textons(faint.astype(np.float32), ctx=Context(on_warning=told.append))
+    assert told or found.confidence > 0.6
+
+
+def test_a_cell_of_one_colour_is_no_error_about_examples():
+    """The cell about the picture's middle would be tried, and nobody gave it as an example."""
+    told = []
+    picture = cloth(24, 36)
+    picture[46:146, 46:146] = 0.5
+    assert len(find_textons(picture, ctx=Context(on_warning=told.append)).points)
+    assert told

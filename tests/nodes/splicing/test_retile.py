@@ -134,6 +134,9 @@ def test_refuses_a_picture_of_another_size():
         retile(texture, extension, moves, texture.image[:9], holes[:9], source[:9], holes[:9])
     with pytest.raises(ValueError, match="image: expected 3 channels"):
         retile(texture, extension, moves, texture.image[..., :1], holes, source, holes)
+    flat = moves._replace(scales=moves.scales * 0)
+    with pytest.raises(ValueError, match="moves: expected positive scales, got 0"):
+        retile(texture, extension, flat, texture.image, holes, source, holes)
 
 
 def test_blocks_of_a_wall():
