@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics import evenness_kernels
+from graphtex_nodes.numerics.copies import crowding, shown, stretch
 from graphtex_nodes.numerics.transport import MOST_PLACES, Market, market
 from graphtex_nodes.numerics.window_mean import window_mean
 
@@ -18,8 +18,6 @@ STRETCHED = 6.0
 """What a window pays that goes on with a piece of which all around at a distance is shown, in the same unit ..."""
 LONG = 0.02
 """... and the mean share around of what goes on up to which none pays; from twice of it on all pay that much."""
-NEAREST, FARTHEST = 2, 4
-"""Such distances, in sixths of the exemplar's smaller side."""
 MOST_CROWDED = 4096
 """Exemplar windows up to which a level is no fine one: those keep what is where."""
 SMOOTH = 1 / 3
@@ -89,15 +87,15 @@ def crowd(
     charge, cell
         float32 (a, b, h / cell, w / cell), both rounded up, in each of a x b tiles of the output.
     """
-    shape = relief.shape[0], relief.shape[1]
-    copies, cell = crowding(field, shape, step)
+    found = shown(field, (relief.shape[0], relief.shape[1]), step)
+    copies = crowding(found)
     if grain > 0:
-        further, common = stretch(field, shape, step)
+        further, common = stretch(found)
         excess = grain * min(1.0, max(0.0, common / LONG - 1))
         # shorter pieces meet each other's copies more often
         copies = np.float32(1 + excess) * copies + np.float32(STRETCHED / CROWDED * excess) * further
-    copies *= relief[::cell, ::cell] * np.float32(CROWDED * evenness * variance)
-    return copies, cell
+    copies *= relief[:: found.cell, :: found.cell] * np.float32(CROWDED * evenness * variance)
+    return copies, found.cell
 
 
 def lasting(share: Array, allowed: Flags | None) -> int:
@@ -176,89 +174,6 @@ def homes(origin: Array, shape: tuple[int, int], window: int, level: int, rim: i
     high = shown.max(axis=(0, 1)) + 1
     numbers = (shown[..., 0] * high[1] + shown[..., 1]) * high[2] + shown[..., 2]
     return np.unique(numbers, return_inverse=True)[1].reshape(shape)
-
-
-def crowding(field: Field, shape: tuple[int, int], step: int) -> tuple[Array, int]:
-    """How many other copies of each cell of the exemplar are shown around each of a x b tiles of the output.
-
-    Those count that are at most half the exemplar away, but not the nearest: a tile and the eight around it are the
-    place itself. Without a charge for them copies meet as chance has it: the eye finds those that are close together.
-
-    Parameters
-    ----------
-    field
-        Sources (rows, columns, 2) of the output's windows.
-    shape
-        Rows and columns of the exemplar's windows.
-    step
-        Distance of neighbouring windows of the output in pixels.
-
-    Returns
-    -------
-    copies, cell
-        float32 (a, b, h / cell, w / cell), both rounded up, and the side of a cell in windows of the exemplar. Cells
-        are smaller than tiles, and neighbouring ones share what they are shown: they hold the same elements.
-    """
-    tile, cell, sides, cells = _tiles(field, shape, step)
-    reach = min(shape) / 2 / step
-    counts, copies = np.empty((*sides, *cells), np.int32), np.empty((*sides, *cells), np.float32)
-    evenness_kernels.copies_around(field, round(reach / tile), cell, counts, copies)
-    copies *= np.float32((step / cell) ** 2)
-    return copies, cell
-
-
-def stretch(field: Field, shape: tuple[int, int], step: int) -> tuple[Array, float]:
-    """How far each place of the exemplar, shown in each of a x b tiles of the output, would go on with a piece there.
-
-    What counts is a ring around a tile, :data:`NEAREST` to :data:`FARTHEST` sixths of the exemplar away: how much of it
-    shows the exemplar at the same shift.
-
-    Parameters
-    ----------
-    field, shape, step
-        See :func:`crowding`.
-
-    Returns
-    -------
-    share, common
-        float32 (a, b, h / cell, w / cell), both rounded up: share of the ring, with cells as in :func:`crowding`, and
-        the mean of it over what is shown.
-    """
-    from scipy.ndimage import uniform_filter
-
-    tile, cell, sides, cells = _tiles(field, shape, step)
-    rows, columns = (np.arange(side) * count // side for side, count in zip(field.shape[:2], sides, strict=True))
-    place = (rows[:, None] * sides[1] + columns) * cells[0] + field[..., 0] // cell
-    place = place * cells[1] + field[..., 1] // cell
-    counts = np.bincount(place.ravel(), minlength=int(np.prod(sides + cells))).reshape(*sides, *cells).astype(np.int32)
-    lines = tile * step / cell
-    found = _going_on(counts, FARTHEST, lines) - _going_on(counts, NEAREST - 1, lines)
-    ring = (2 * FARTHEST + 1) ** 2 - (2 * NEAREST - 1) ** 2
-    share = uniform_filter(found.astype(np.float32), (1, 1, 3, 3), mode="nearest")
-    share *= np.float32((step / cell) ** 2 / ring)
-    return share, float((counts * share).sum(dtype=np.float64) / counts.sum())
-
-
-def _going_on(counts: NDArray[np.int32], radius: int, lines: float) -> NDArray[np.int32]:
-    """Sums (a, b, h, w) over the tiles at most ``radius`` away each way of what goes on, ``lines`` cells a tile."""
-    for axis in (0, 1):
-        total = np.zeros_like(counts)
-        for shift in range(-radius, radius + 1):
-            here, there = [slice(None)] * 4, [slice(None)] * 4
-            for along, move in ((axis, shift), (axis + 2, round(shift * lines))):
-                side = counts.shape[along]
-                here[along] = slice(max(0, -move), max(0, min(side, side - move)))
-                there[along] = slice(max(0, move), max(0, min(side, side + move)))
-            total[tuple(here)] += counts[tuple(there)]
-        counts = total
-    return counts
-
-
-def _tiles(field: Field, shape: tuple[int, int], step: int) -> tuple[int, int, list[int], list[int]]:
-    """Sides of tiles in windows of the output, of cells in those of the exemplar, and how many there are of both."""
-    tile = max(1, round(min(shape) / 6 / step))
-    cell = step * max(1, tile // 2)
-    return tile, cell, [-(-side // tile) for side in field.shape[:2]], [-(-side // cell) for side in shape]
 
 
 def local_relief(image: Array, window: int) -> Array:

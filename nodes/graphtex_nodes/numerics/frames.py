@@ -114,9 +114,10 @@ def transfer(
     """The field of another grid over the same canvas, or over one ``factor`` times as fine.
 
     Each new window takes the source of the old window with the nearest centre, shifted by the distance of their
-    corners; sources are moved into ``shape``, rows and columns of the exemplar's windows. These count from the corner
-    of its rim, old and new ``rims`` pixels wide. Where the output wraps around
+    corners; sources are moved into ``shape``, rows and columns of the exemplar's windows. Where the output wraps around
     and periods do not fit, places are stretched from period to period, so that there is no jump at the border.
+
+    Old and new sources count from the corner of the exemplar's rim on their level, so many pixels wide (``rims``).
     """
     places = []
     for axis, (count, size) in enumerate(

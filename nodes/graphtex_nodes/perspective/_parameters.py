@@ -2,8 +2,11 @@
 
 from typing import Annotated, Literal, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
+from graphtex import Image
 from graphtex_nodes.numerics.materials import MapKind
 
 Size = Annotated[
@@ -13,6 +16,19 @@ Sides = Annotated[
     Literal["none", "both", "x", "y"],
     Field(description="sides over which the output continues: x the left and right ones, y the upper and lower ones"),
 ]
+
+
+def output_size(
+    start: Image | None, target: NDArray[np.float32] | None, exemplar: Image, height: int, width: int
+) -> tuple[int, int]:  # fmt: skip
+    """Height and width of the output."""
+    if start is not None:
+        size = start.shape[:2]
+        if (height or size[0], width or size[1]) != size:
+            raise ValueError(f"start: expected the output's size {height} x {width}, got shape {start.shape}")
+        return int(size[0]), int(size[1])
+    shape = (2 * exemplar.shape[0], 2 * exemplar.shape[1]) if target is None else target.shape
+    return height or shape[0], width or shape[1]
 
 
 def around(sides: str) -> tuple[bool, bool]:
@@ -93,7 +109,7 @@ EFFORT = {
 SYNTHESIS_KERNELS = (
     "window_kernels",
     "search_kernels",
-    "evenness_kernels",
+    "copies_kernels",
     "transport_kernels",
     "vote_kernels",
     "cut_kernels",

@@ -4,7 +4,6 @@ from functools import partial
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from graphtex import QUIET, AngleMap, Axes, Context, Image, Mask, Number, Rng, ScaleMap, SourceMap, Vector, node
 from graphtex_nodes.perspective._parameters import (
@@ -33,6 +32,7 @@ from graphtex_nodes.perspective._parameters import (
     Weights,
     Windows,
     around,
+    output_size,
 )
 
 
@@ -214,7 +214,7 @@ def optimize(
     from graphtex_nodes.numerics.problem import Settings
     from graphtex_nodes.numerics.synthesis import synthesise
 
-    size = _size(start, target_angle if target_scale is None else target_scale, exemplar, height, width)
+    size = output_size(start, target_angle if target_scale is None else target_scale, exemplar, height, width)
     require_stack("exemplar", exemplar, kinds, ctx.warn)
     weights = request.channel_weights(map_weights, kinds, exemplar.shape[2])
     turned = angle_weight > 0 and (target_angle is not None or exemplar_angle is not None)
@@ -288,16 +288,3 @@ def optimize(
         coherence=coherence(),
         coverage=sources.coverage(shown, [each.usable for each in exemplars]),
     )
-
-
-def _size(
-    start: Image | None, target: NDArray[np.float32] | None, exemplar: Image, height: int, width: int
-) -> tuple[int, int]:  # fmt: skip
-    """Height and width of the output."""
-    if start is not None:
-        size = start.shape[:2]
-        if (height or size[0], width or size[1]) != size:
-            raise ValueError(f"start: expected the output's size {height} x {width}, got shape {start.shape}")
-        return int(size[0]), int(size[1])
-    shape = (2 * exemplar.shape[0], 2 * exemplar.shape[1]) if target is None else target.shape
-    return height or shape[0], width or shape[1]

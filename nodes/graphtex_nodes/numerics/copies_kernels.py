@@ -33,26 +33,30 @@ def sum_lines(shown, down, reach, lines):
                 lines[right, k] += shown[other, right, k]
 
 
-@kernel("const i4[:,:,:], i8, i8, i4[:,:,:,:], f4[:,:,:,:]")
-def copies_around(field, reach, cell, counts, copies):
-    """How often each cell of the exemplar is shown around each tile of the output, averaged over 3 x 3 cells.
+@kernel("const i4[:,:,:], i8, i4[:,:,:,:]")
+def count_shown(field, cell, counts):
+    """Add to ``counts`` (a, b, i, j) how often windows in each of a x b tiles show each of i x j cells.
 
-    ``field`` (rows, columns, 2) are sources, a cell has ``cell`` x ``cell`` of them. Written: ``counts`` (a, b, i, j),
-    how often windows in each of a x b tiles show each of i x j cells, and ``copies`` (a, b, i, j), how often those at
-    most ``reach`` tiles away do, but for the tile itself and the eight around it.
+    ``field`` (rows, columns, 2) are sources, a cell has ``cell`` x ``cell`` of them.
     """
     rows, columns = field.shape[0], field.shape[1]
+    for row in range(rows):
+        shown = counts[row * counts.shape[0] // rows]
+        for column in range(columns):
+            down, right = field[row, column, 0] // cell, field[row, column, 1] // cell
+            shown[column * counts.shape[1] // columns, down, right] += 1
+
+
+@kernel("const i4[:,:,:,:], i8, f4[:,:,:,:]")
+def copies_around(counts, reach, copies):
+    """How often each cell of the exemplar is shown around each tile of the output, averaged over 3 x 3 cells.
+
+    ``counts`` (a, b, i, j) are those of :func:`count_shown`. Written: ``copies`` (a, b, i, j), how often tiles at most
+    ``reach`` tiles away show each cell, but for the tile itself and the eight around it.
+    """
     down_tiles, right_tiles, down_cells, right_cells = counts.shape
     cells = down_cells * right_cells
     shown, found = counts.reshape(down_tiles, right_tiles, cells), copies.reshape(down_tiles, right_tiles, cells)
-    for down in range(down_tiles):
-        for right in range(right_tiles):
-            for k in range(cells):
-                shown[down, right, k] = 0
-    for row in range(rows):
-        for column in range(columns):
-            place = field[row, column, 0] // cell * right_cells + field[row, column, 1] // cell
-            shown[row * down_tiles // rows, column * right_tiles // columns, place] += 1
     lines = np.zeros((right_tiles, cells), np.int32)  # copies in the tiles above and below one, itself among them
     near = np.zeros((right_tiles, cells), np.int32)
     total = np.zeros(cells, np.int32)
