@@ -25,7 +25,7 @@ from graphtex_nodes.splicing._pattern import regularity
 from graphtex_nodes.splicing._peaks import score_floor
 from graphtex_nodes.splicing._poses import Poses
 from graphtex_nodes.splicing._proposals import Proposal, enlarged, from_parts, from_repeats, proposals
-from graphtex_nodes.splicing._templates import Example, OneColourError
+from graphtex_nodes.splicing._templates import Example, OneColourError, mean_size
 
 Array = NDArray[Any]
 
@@ -60,12 +60,6 @@ class Choice:
         points: Array = _likely(self.found.poses, self.floor).points
         return points
 
-    @property
-    def size(self) -> tuple[float, float]:
-        """Mean width and height of the examples."""
-        width, height = (float(np.mean([getattr(e, side) for e in self.examples])) for side in ("width", "height"))
-        return width, height
-
 
 def choose(image: Array, search: Search) -> Choice | None:
     """The elements that explain a picture best; None without any.
@@ -77,17 +71,19 @@ def choose(image: Array, search: Search) -> Choice | None:
     The picture is divided at a low resolution first. Where that leaves doubts, and elements may have been too small to
     be made out, it is done again at twice that.
     """
+    coarse = even = even_and_small(image)
     side, best = SIDE, None
     while best is None or best.confidence < DOUBTFUL:
         search.ctx.check()
-        choice = _judged(even_and_small(image, side), search)
+        choice = _judged(even, search)
         if choice is not None and (best is None or choice.confidence > best.confidence):
             best = choice
         if max(image.shape[:2]) <= FINE * side:
             break
         side *= 2
+        even = even_and_small(image, side)
     if best is None or best.confidence < DOUBTFUL:
-        few = _few(even_and_small(image), search)
+        few = _few(coarse, search)
         best = few if best is None or (few is not None and few.confidence > best.confidence) else best
     return best
 
@@ -96,7 +92,7 @@ def _few(even: Even, search: Search) -> Choice | None:
     """One to three elements that are nearly all there is to see."""
     for parts in few_parts(even):
         choice = _of_parts(parts, search)
-        poses, (width, height) = choice.found.poses, choice.size
+        poses, (width, height) = choice.found.poses, mean_size(choice.examples)
         elements = Elements(poses.points / even.step, poses.angles, poses.scales)
         if hardly_shown(even.picture, elements, width / even.step, height / even.step, SHOWN_ALONE) is None:
             return choice
@@ -123,9 +119,9 @@ def _trusted(choice: Choice | None, even: Even) -> Choice | None:
     if choice is None:
         return None
     kept = _likely(choice.found.poses, choice.floor)
-    width, height = choice.size
+    width, height = mean_size(choice.examples)
     elements = Elements(kept.points / even.step, kept.angles, kept.scales)
-    share = trust(even.picture, elements, kept.scores, width / even.step, height / even.step)
+    share = trust(even, elements, kept.scores, width / even.step, height / even.step)
     return replace(choice, confidence=share * choice.confidence)
 
 

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from graphtex import Elements
 from graphtex_nodes.splicing._nearness import distances
-from graphtex_nodes.splicing._repeats import repeated_share, repeats
+from graphtex_nodes.splicing._partitions import Even
+from graphtex_nodes.splicing._repeats import repeated_share
 from graphtex_nodes.splicing._unlit import squared_change
 
 Array = NDArray[Any]
@@ -21,16 +22,17 @@ REGULAR = 0.6, 0.9  # share of elements that meet others where the picture repea
 UNEVEN = 0.08  # deviation of scores of elements that are alike
 
 
-def trust(image: Array, elements: Elements, scores: Array, width: float, height: float) -> float:
-    """What a confidence is to be multiplied by, 0 to 1, for elements found in a picture (h, w, c).
+def trust(even: Even, elements: Elements, scores: Array, width: float, height: float) -> float:
+    """What a confidence is to be multiplied by, 0 to 1, for elements found in a reduced picture.
 
     It falls where much of what changes in the picture lies off the elements, as where some of them, or parts of them,
     were taken for all; where the picture has stripes and no ends to them; where some are much less alike; and where the
     picture repeats itself and they do not.
     """
+    image = even.picture
     last = np.array(image.shape[1::-1]) - 1
     points = elements.points[((elements.points >= 0) & (elements.points <= last)).all(axis=1)]
-    repeated = repeated_share(points, repeats(image), image.shape[:2])
+    repeated = repeated_share(points, even.repeats, image.shape[:2])
     none, all_of_them = REGULAR
     return float(
         min(1.0, _explained(image, elements, width, height) / EXPLAINED) ** 2

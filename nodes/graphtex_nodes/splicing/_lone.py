@@ -2,7 +2,7 @@
 
 from graphtex_nodes.splicing._partitions import LEAST_COUNT, Even, Parts, measured, solids
 
-LARGEST_SHARE = 0.5  # of the picture that one of them covers
+LARGEST_ALONE = 0.5  # of the picture that one of them covers
 ALONE = 0.9  # their least share of all that stands apart like them
 
 
@@ -12,7 +12,7 @@ def few_parts(even: Even) -> list[Parts]:
 
     found = []
     for mask, contrast, rim in solids(even.picture):
-        parts = measured(label(mask)[0], contrast, even.step, even.size, rim, 1, LARGEST_SHARE)
+        parts = measured(label(mask)[0], contrast, even.step, even.size, rim, 1, LARGEST_ALONE)
         if parts is not None:
             area = parts.areas[parts.fits]
             if len(area) < LEAST_COUNT and area.sum() >= ALONE * parts.areas.sum():

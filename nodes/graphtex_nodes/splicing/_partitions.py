@@ -3,7 +3,8 @@
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from graphtex_nodes.numerics.illumination import evenly_lit, log_brightness
 from graphtex_nodes.numerics.windows import leading_directions
 from graphtex_nodes.splicing._joints import divided
+from graphtex_nodes.splicing._repeats import Repeats, repeats
 from graphtex_nodes.splicing._unlit import is_colourful, light_shares
 
 Array = NDArray[Any]
@@ -32,12 +34,18 @@ SAME = 0.9  # share of parts that must be found again
 GROUND = 0.25  # power of the pixels in parts, when partitions are compared
 
 
-class Even(NamedTuple):
+@dataclass(frozen=True)
+class Even:
     """An evenly lit, reduced picture, pixels of the whole one between its own, and the (height, width) of that one."""
 
     picture: Array
     step: float
     size: tuple[int, ...]
+
+    @cached_property
+    def repeats(self) -> Repeats:
+        """Where the picture repeats itself."""
+        return repeats(self.picture)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from graphtex_nodes.splicing._partitions import (
     Parts,
     colour_channels,
 )
-from graphtex_nodes.splicing._repeats import cell, repeats
+from graphtex_nodes.splicing._repeats import cell
 from graphtex_nodes.splicing._templates import Example
 from graphtex_nodes.splicing._unlit import squared_change
 
@@ -83,7 +83,7 @@ def from_repeats(even: Even) -> Proposal | None:
     """
     from scipy.ndimage import gaussian_filter
 
-    found = cell(repeats(even.picture))
+    found = cell(even.repeats)
     if found is None:
         return None
     width, height, merit = found

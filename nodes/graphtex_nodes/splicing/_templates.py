@@ -1,5 +1,6 @@
 """Given elements of a picture as templates, turned and sized."""
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -18,6 +19,12 @@ class Example(BaseModel):
     y: Annotated[float, Field(ge=0, description="row of its centre")]
     width: Annotated[float, Field(ge=3, le=4096)]
     height: Annotated[float, Field(ge=3, le=4096)]
+
+
+def mean_size(examples: Sequence[Example]) -> tuple[float, float]:
+    """Mean width and height of examples."""
+    width, height = (float(np.mean([getattr(each, side) for each in examples])) for side in ("width", "height"))
+    return width, height
 
 
 class OneColourError(ValueError):

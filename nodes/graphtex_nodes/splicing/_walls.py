@@ -28,7 +28,7 @@ class Cells(NamedTuple):
 
 
 def cells(places: Array, forms: Array, size: tuple[int, int]) -> Cells:
-    """Divide a picture (height, width) among places (n, 2) at each of which a block of some covariance goes.
+    """Divide a picture (height, width) among two or more places (n, 2), at each of which a block goes.
 
     A pixel belongs to the place whose block, as an ellipse of its ``forms`` (n, 2, 2), would have to grow least to
     reach it: an anisotropic Voronoi diagram (Labelle & Shewchuk 2003).
@@ -42,8 +42,6 @@ def cells(places: Array, forms: Array, size: tuple[int, int]) -> Cells:
     growth = np.stack([_growth(pixels - places[own], metric[own]) for own in near])
     first = growth.argmin(axis=0)[None]
     owner, least = np.take_along_axis(near, first, 0)[0], np.take_along_axis(growth, first, 0)[0]
-    if len(near) == 1:
-        return Cells(owner.reshape(size), np.ones(size))
     np.put_along_axis(growth, first, np.inf, 0)
     second = growth.argmin(axis=0)[None]
     rival, more = np.take_along_axis(near, second, 0)[0], np.take_along_axis(growth, second, 0)[0]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from graphtex import QUIET, Context, Elements, Image, Number, Points, Vector, node
-from graphtex_nodes.splicing._templates import Example, check_inside
+from graphtex_nodes.splicing._templates import Example, check_inside, mean_size
 
 Array = NDArray[Any]
 
@@ -143,7 +143,7 @@ def find_textons(
     if not len(poses.points):
         raise ValueError(f"least_score: expected at least one element, got none with a score of {least_score}")
     elements = Elements(poses.points, poses.angles, poses.scales)
-    width, height = (float(np.mean([getattr(e, side) for e in given])) for side in ("width", "height"))
+    width, height = mean_size(given)
     if examples:
         _tell_hardly_shown(even.picture, even.step, elements, width, height, ctx)
     last = np.array(image.shape[1::-1]) - 1

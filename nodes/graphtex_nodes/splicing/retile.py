@@ -131,9 +131,9 @@ def _stiff(elements: Extension, moves: Moves) -> bool:
     points, shifts = moves.points[matched], (moves.targets - moves.points)[matched]
     if len(points) < 2:
         return False
-    low, high = np.array([elements.left, elements.top]), np.array([elements.width, elements.height])
+    corner, size = np.array([elements.left, elements.top]), np.array([elements.width, elements.height])
     own, wanted = (
-        np.count_nonzero(((places >= low) & (places < low + high)).all(axis=1)) + 1
+        np.count_nonzero(((places >= corner) & (places < corner + size)).all(axis=1)) + 1
         for places in (moves.points, moves.targets[matched])
     )
     count = min(NEIGHBOURS, len(points) - 1)
@@ -213,7 +213,7 @@ def _chosen(found: Blocks, target: Elements, size: tuple[int, int], picture: tup
     own = np.stack([shape(form) for form in found.forms])
     unlike = ((np.stack([shape(form) for form in wanted])[:, None] - own) ** 2).sum(axis=2)
     sides, period = np.array(size[::-1]), np.array(picture[::-1])
-    usual = max(float(np.median(distances(places))), 1.0) if len(places) > 1 else 1.0
+    usual = max(float(np.median(distances(places))), 1.0)
     rings = np.ceil((sides / period - 1) / 2).astype(int)
     while np.prod(2 * rings + 1) * len(own) < SPARE * len(places):
         rings += 1

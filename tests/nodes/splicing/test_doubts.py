@@ -4,6 +4,7 @@ import pytest
 from graphtex import Context, Elements
 from graphtex_nodes import find_textons, textons
 from graphtex_nodes.splicing._doubts import trust
+from graphtex_nodes.splicing._partitions import Even
 
 
 def discs(points, side=96, radius=7):
@@ -11,7 +12,7 @@ def discs(points, side=96, radius=7):
     disc = np.zeros((side, side), bool)
     for across, down in points:
         disc |= np.hypot(x - across, y - down) < radius
-    return np.where(disc, 0.8, 0.2)[..., None].astype(np.float32)
+    return Even(np.where(disc, 0.8, 0.2)[..., None].astype(np.float32), 1.0, (side, side))
 
 
 def of(points):
@@ -38,7 +39,8 @@ def test_elements_that_do_not_repeat_with_the_picture():
 def test_unlike_scores_and_stripes():
     image = discs(GRID)
     assert trust(image, of(GRID), np.tile([1.0, 0.68], 8), 14.0, 14.0) == pytest.approx(0.5)
-    stripes = np.broadcast_to(np.sin(np.arange(96) / 3)[:, None, None] / 2, (96, 96, 1)).astype(np.float32)
+    waves = np.broadcast_to(np.sin(np.arange(96) / 3)[:, None, None] / 2, (96, 96, 1)).astype(np.float32)
+    stripes = Even(waves, 1.0, (96, 96))
     assert trust(stripes, of(GRID), np.ones(16), 14.0, 14.0) < 0.05
 
 
