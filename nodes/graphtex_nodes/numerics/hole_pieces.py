@@ -100,11 +100,12 @@ def choose(level: Level, slopes: Sequence[Slope], log_scale: Array | None, work:
     return sorted(distinct.values(), key=lambda fit: first[fit.anchor] is not fit)[:MOST]
 
 
-def fill(levels: Sequence[Level], found: Sequence[Fit], searched: int, work: Work) -> Pieces:
+def fill(levels: Sequence[Level], found: Sequence[Fit], searched: int, bends: Array, work: Work) -> Pieces:
     """The hole of the first level filled; ``found`` are moves of the one numbered ``searched``.
 
     Down to that one moves may be chosen anywhere; on finer ones seams move only a little. What was chosen nowhere in a
-    halving is not tried in the picture itself.
+    halving is not tried in the picture itself. ``bends`` tells which channels (c,) are bent to meet at seams, see
+    :func:`materials.bending`.
     """
     labels = np.full(levels[-1].hole.shape, -1)
     for number in range(len(levels) - 1, -1, -1):
@@ -122,7 +123,7 @@ def fill(levels: Sequence[Level], found: Sequence[Fit], searched: int, work: Wor
         here = [replace(fit, move=fit.move.halved(max(0, number - searched))) for fit in found]
         labels = _cut(level, views, here, labels, number < searched, work)
         work.progress(1 - number / len(levels), "cutting pieces")
-    return _painted(levels[0], views, [fit.move for fit in here], labels, work)
+    return _painted(levels[0], views, [fit.move for fit in here], labels, bends, work)
 
 
 def _finer_fits(found: Sequence[Fit], level: Level, views: Views, work: Work) -> list[Fit]:
@@ -206,7 +207,7 @@ def _cut(level: Level, views: Views, found: Sequence[Fit], labels: Array, settle
     return result
 
 
-def _painted(level: Level, views: Views, moves: Sequence[Move], labels: Array, work: Work) -> Pieces:
+def _painted(level: Level, views: Views, moves: Sequence[Move], labels: Array, bends: Array, work: Work) -> Pieces:
     """Colours and sources of the labelled hole; pieces are bent to meet each other and what is known."""
     rows, columns = np.nonzero(level.hole)
     chosen = labels[rows, columns]
@@ -216,20 +217,24 @@ def _painted(level: Level, views: Views, moves: Sequence[Move], labels: Array, w
         at = chosen == label
         source_rows, source_columns, enlarged = move.sources(rows[at], columns[at])
         source[at], log[at] = np.stack([source_rows, source_columns], axis=1), np.log2(enlarged)
-    colours += _bend(level, views, moves, labels, colours, usable, work)
+    colours += _bend(level, views, moves, labels, colours, usable, bends, work)
     seen = level.picture[level.usable]
     return Pieces(np.clip(colours, seen.min(axis=0), seen.max(axis=0)), source, log, usable)
 
 
 def _bend(
-    level: Level, views: Views, moves: Sequence[Move], labels: Array, colours: Array, usable: Array, work: Work
-) -> Array:
-    """Corrections (n, c) of the hole's colours: gradients stay, but for the mean of both pieces' across a seam."""
+    level: Level, views: Views, moves: Sequence[Move], labels: Array, colours: Array, usable: Array, bends: Array,
+    work: Work,
+) -> Array:  # fmt: skip
+    """Corrections (n, c) of the hole's colours: gradients stay, but for the mean of both pieces' across a seam.
+
+    Channels whose ``bends`` is 0 need none, and those where it is 2 are bent at outlines too.
+    """
     rows, columns = np.nonzero(level.hole)
     number = np.full(labels.shape, -1)
     number[level.hole] = np.arange(rows.size)
-    degree, right_side, spread = np.full(rows.size, SCREEN), np.zeros(colours.shape), _spread(level)
-    edges = []
+    correction, spread = np.zeros(colours.shape, np.float32), _spread(level)
+    degrees, edges, lacks = np.full(rows.size, SCREEN), [], []
     for down, right in ((1, 0), (-1, 0), (0, 1), (0, -1)):
         there_rows, there_columns = rows + down, columns + right
         inside = (there_rows >= 0) & (there_rows < labels.shape[0])
@@ -237,7 +242,7 @@ def _bend(
         here = np.flatnonzero(inside)
         there_rows, there_columns = there_rows[here], there_columns[here]
         there = number[there_rows, there_columns]
-        degree[here[there >= 0]] += 1
+        degrees[here[there >= 0]] += 1
         edges.append((here[there >= 0], there[there >= 0]))
         mine, others = labels[rows[here], columns[here]], labels[there_rows, there_columns]
         border = there < 0
@@ -254,9 +259,17 @@ def _bend(
         step = np.where(border[:, None], theirs - ahead, between / 2)
         # a large difference is the outline of an element: bent away, it would smear
         gentle = 1 / (1 + (_length(step) / (OUTLINE * spread)) ** 2)
-        right_side[p] += gentle[:, None] * step
-        degree[p[border]] += gentle[border]
-    correction: Array = relaxed(degree, edges, right_side, work).astype(np.float32)
+        lacks.append((p, border, step, gentle))
+    for way in (1, 2):
+        channels = np.flatnonzero(bends == way)
+        if not channels.size:
+            continue
+        degree, right_side = degrees.copy(), np.zeros((rows.size, channels.size))
+        for p, border, step, gentle in lacks:
+            share = gentle if way == 1 else np.ones_like(gentle)
+            right_side[p] += share[:, None] * step[:, channels]
+            degree[p[border]] += share[border]
+        correction[:, channels] = relaxed(degree, edges, right_side, work)
     return correction
 
 

@@ -121,7 +121,7 @@ def screened(right_side: Array, screen: float, wrap: tuple[bool, bool]) -> Array
 
 def join_known(
     image: Array, lack: Array, source: NDArray[np.int32], exemplar: Array, usable: NDArray[np.bool_],
-    wrap: tuple[bool, bool], work: Work,
+    bends: NDArray[np.uint8], wrap: tuple[bool, bool], work: Work,
 ) -> Array:  # fmt: skip
     r"""An image (h, w, c) whose copied pixels meet its known ones without a step; known ones are bit-identical.
 
@@ -141,6 +141,8 @@ def join_known(
         Row and column (h, w, 2) in the exemplar (eh, ew, c); negative for known pixels.
     usable
         Exemplar pixels (eh, ew) that can continue a piece.
+    bends
+        Which channels (c,) are bent: those where it is 0 stay as they were copied, see :func:`materials.bending`.
     wrap
         Whether the image wraps around along its rows and columns.
     """
@@ -166,7 +168,7 @@ def join_known(
         # a piece that cannot be continued is taken to go on with the same colour
         ahead = image.reshape(-1, channels)[here].astype(np.float64)
         ahead[fits] = exemplar[place[fits, 0], place[fits, 1]]
-        np.add.at(right_side, number.ravel()[here], image.reshape(-1, channels)[there] - ahead)
+        np.add.at(right_side, number.ravel()[here], (image.reshape(-1, channels)[there] - ahead) * (bends > 0))
     result = image.copy()
     result[unknown] += relaxed(degree, edges, right_side, work).astype(np.float32)
     seen = exemplar[usable]

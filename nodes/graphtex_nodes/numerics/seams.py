@@ -115,7 +115,7 @@ def _bent(
     bends = bending([], image.shape[2]) if bends is None else bends
     lack = membrane.missing(image, own, variance, bends, problem.wrap, work)
     if known is not None:
-        return membrane.join_known(image, lack, source, problem.exemplar, problem.may, problem.wrap, work)
+        return membrane.join_known(image, lack, source, problem.exemplar, problem.may, bends, problem.wrap, work)
     may = problem.may
     seen = [values[may] for values in np.moveaxis(problem.exemplar, -1, 0)]
     limits = np.array([each.min() for each in seen]), np.array([each.max() for each in seen])

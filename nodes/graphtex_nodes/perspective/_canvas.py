@@ -29,7 +29,8 @@ LOG = 3
 class Canvas:
     """Arrays that are written part by part: ``image`` (h, w, c), source map ``places`` (h, w, 6), ``scales`` (h, w).
 
-    ``hole`` (h, w) are all pixels to fill, ``usable`` (h, w) those that may be copied.
+    ``hole`` (h, w) are all pixels to fill, ``usable`` (h, w) those that may be copied; ``bends`` (c,) tells which
+    channels are bent to meet at seams, see :func:`materials.bending`.
     """
 
     image: Array
@@ -37,6 +38,7 @@ class Canvas:
     scales: Array
     hole: Array
     usable: Array
+    bends: Array
 
     def level(self, part: Array, box: Box) -> Level:
         """A box of the picture with the mean colour in place of what is not known."""
@@ -65,7 +67,7 @@ class Canvas:
         moves = hole_pieces.choose(halvings[count], slopes, log, Portion(work, 0, 0.2))
         if not moves:
             return part
-        found = hole_pieces.fill(halvings, moves, count, Portion(work, 0.2, 0.8))
+        found = hole_pieces.fill(halvings, moves, count, self.bends, Portion(work, 0.2, 0.8))
         done = np.argwhere(part)[found.filled]
         rows, columns = done[:, 0], done[:, 1]
         self.image[rows, columns] = found.colours[found.filled]
@@ -92,6 +94,6 @@ class Canvas:
         iterations, settings = plan
         stages = levels.plan(problem.exemplar, problem.usable, 0, (), iterations)
         result = synthesise(problem, stages, settings, rng, work)
-        filled, found = seams.finish(problem, result, seams.Steps(), work)
+        filled, found = seams.finish(problem, result, seams.Steps(bends=self.bends), work)
         self.image[rest] = filled[rest[box]]
         self.places[rest, ROW : COLUMN + 1] = found[rest[box]] + np.array([taken[0].start, taken[1].start])

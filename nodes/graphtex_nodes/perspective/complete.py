@@ -87,8 +87,9 @@ def complete(
         With ``pieces`` only whether it is 0: then the photo is shifted without regard to scale. With ``windows`` less
         than 1 lets colours win over a scale in large holes: at 0.75 elements there are off by 10 %, at 1.25 by 5 %.
     kinds
-        What the channels of stacked material maps are: all are filled from the same places, and normals in the hole are
-        made unit vectors again after seams are blended.
+        What the channels of stacked material maps are: all are filled from the same places. Colours are bent to meet
+        along seams and the hole's border, heights too where outlines are torn, and other maps stay as they are copied;
+        normals in the hole are unit vectors.
 
     Returns
     -------
@@ -121,7 +122,7 @@ def complete(
     True
     """
     from graphtex_nodes.numerics.jit import announce
-    from graphtex_nodes.numerics.materials import renormalised, require_channels
+    from graphtex_nodes.numerics.materials import bending, renormalised, require_stack
     from graphtex_nodes.numerics.parallel import Portion
     from graphtex_nodes.numerics.request import require_moderate
     from graphtex_nodes.numerics.sources import own_places
@@ -131,8 +132,7 @@ def complete(
         ctx.warn("hole: nothing is marked, so the photo stays as it is")
     if hole.all():
         raise ValueError(f"hole: expected some pixels outside it, got all of shape {hole.shape}")
-    if kinds:
-        require_channels(kinds, photo.shape[2])
+    require_stack("photo", photo[~hole], kinds, ctx.warn)
     if continuation == "given" and scale is None:
         raise ValueError("scale: expected a map to take as given, got none")
     usable = ~hole if source is None else source & ~hole
@@ -144,7 +144,7 @@ def complete(
     from graphtex_nodes.perspective._canvas import Canvas
 
     scales = np.ones(hole.shape, np.float32) if scale is None else scale.copy()
-    canvas = Canvas(photo.copy(), own_places(hole.shape), scales, hole, usable)
+    canvas = Canvas(photo.copy(), own_places(hole.shape), scales, hole, usable, bending(kinds, photo.shape[2]))
     plan = iterations, Settings(histogram=histogram, evenness=evenness)
     parts = _parts(hole)
     for number, part in enumerate(parts):

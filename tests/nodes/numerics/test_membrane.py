@@ -15,7 +15,8 @@ def hole_in(shape, hole):
 
 def solved(image, source, exemplar, wrap=(False, False)):
     lack = np.zeros((image.shape[2], *image.shape[:2]), np.float32)
-    return membrane.join_known(image, lack, source, exemplar, np.ones(exemplar.shape[:2], bool), wrap, Context())
+    usable, bends = np.ones(exemplar.shape[:2], bool), np.ones(image.shape[2], np.uint8)
+    return membrane.join_known(image, lack, source, exemplar, usable, bends, wrap, Context())
 
 
 def test_constant_step_vanishes(monkeypatch):
@@ -30,6 +31,22 @@ def test_constant_step_vanishes(monkeypatch):
     result = solved(image, hole_in(hole.shape, hole), exemplar)
     np.testing.assert_allclose(result, photo, atol=2e-4)
     np.testing.assert_array_equal(result[~hole], photo[~hole])
+
+
+def test_what_is_measured_is_not_bent_to_known_pixels():
+    """Of three channels alike, the one that is not to be bent stays as it was copied."""
+    photo = np.full((9, 10, 3), 0.5, np.float32)
+    hole = np.zeros((9, 10), bool)
+    hole[3:6, 3:7] = True
+    image = np.where(hole[..., None], np.float32(0.25), photo)
+    lack, every = np.zeros((3, 9, 10), np.float32), np.ones((9, 10), bool)
+    exemplar, bends = np.where(np.arange(10) < 8, 0.25, 0.75)[:, None].repeat(3, 1)[None].repeat(9, 0), (0, 1, 2)
+    made = membrane.join_known(
+        image, lack, hole_in((9, 10), hole), exemplar.astype(np.float32), every, np.array(bends, np.uint8),
+        (False, False), Context(),
+    )  # fmt: skip
+    np.testing.assert_array_equal(made[..., 0], image[..., 0])
+    assert (made[hole][:, 1:] > 0.45).all()
 
 
 @pytest.mark.parametrize("wrap", [(False, False), (True, True)])

@@ -187,19 +187,47 @@ def test_same_bytes_with_two_threads(method):
 
 @pytest.mark.parametrize("method", ["pieces", "windows"])
 def test_material_maps_stay_aligned_and_normals_unit(method):
-    """A map that says the same as a channel still does, and blended seams leave no short normals."""
+    """A map that says the same as another still does, and interpolated copies leave no short normals."""
     made = bricks(width=128, height=128, size=24.0, slant=40.0, rng=1)
     normals = normals_from_height(made.height, relief=4.0)
-    stack = stack_maps([made.image, normals, made.image[..., :1]], kinds=["colour", "normal", "scalar"])
+    kinds = ["colour", "normal", "colour", "scalar", "scalar"]
+    stack = stack_maps([made.image, normals, made.image, *[made.height] * 2], kinds=kinds)
     hole = np.hypot(*(np.mgrid[:128, :128] - 64)) < 20
-    image = complete(stack, hole, method=method, kinds=["colour", "normal", "scalar"], ctx=QUIET).image
+    image = complete(stack, hole, method=method, kinds=kinds, ctx=QUIET).image
     np.testing.assert_array_equal(image[~hole], stack[~hole])
-    np.testing.assert_allclose(image[..., 6], image[..., 0], atol=2e-3)
+    np.testing.assert_allclose(image[..., 6:9], image[..., :3], atol=2e-3)
+    np.testing.assert_array_equal(image[..., 10], image[..., 9])
     length = np.linalg.norm(image[hole][:, 3:6] * 2 - 1, axis=1)
     np.testing.assert_allclose(length, 1, atol=0.0101)
-    if method == "pieces":  # which bends the colours so much that the test would see it
+    if method == "pieces":  # whose copies between pixels are so short that the test would see it
         plain = complete(stack, hole, ctx=QUIET).image
         assert abs(np.linalg.norm(plain[hole][:, 3:6] * 2 - 1, axis=1) - 1).max() > 0.02
+
+
+@pytest.mark.parametrize("method", ["pieces", "windows"])
+def test_heights_meet_and_scalars_stay_as_copied(method):
+    """A pattern on a rising ramp: copies have its pattern but are 28 columns too high or low."""
+    pattern = np.tile(np.random.default_rng(2).random((10, 28, 3)).astype(np.float32), (10, 6, 1))[:96, :150]
+    row, column = np.mgrid[:96, :150]
+    ramp = (column / 60).astype(np.float32)[..., None]
+    hole = np.hypot((row - 50) / 22, (column - 72) / 24) < 1
+    kinds = ["colour", "height", "scalar"]
+    stack = stack_maps([pattern, ramp, ramp], kinds=kinds)
+    result = complete(stack, hole, method=method, scale_weight=0.0, kinds=kinds, ctx=QUIET)
+    rows, columns = (result.source[hole][:, k].astype(int) for k in (1, 2))
+    copied = ramp[rows, columns, 0]
+    off = np.abs(copied - ramp[hole][:, 0]).mean()
+    assert np.abs(result.image[hole][:, 4] - copied).mean() < (0 if method == "pieces" else 0.25 * off) + 1e-6
+    assert np.abs(result.image[hole][:, 3] - ramp[hole][:, 0]).mean() < 0.15 * off
+
+
+def test_doubts_normals_outside_the_hole_alone():
+    """A hole that is blanked holds no normals, and is not read."""
+    normals = np.full((40, 50, 3), (0.5, 0.5, 1), np.float32)
+    hole = hole_of("nearly all")
+    complete(np.where(hole[..., None], np.float32(0), normals), hole, kinds=["normal"], iterations=1, ctx=QUIET)
+    with pytest.warns(UserWarning, match="photo: the third component of its normals is 0.00 in the mean"):
+        complete(normals[..., ::-1].copy(), hole_of("corner"), kinds=["normal"], iterations=1)
 
 
 def test_sprinkled_pixels_take_from_many_places():
