@@ -14,13 +14,13 @@ OUTSIDE = np.float32(1e6)
 """Cost of a source that falls outside the exemplar: above any sum of squared colour differences in use."""
 
 
-@njit(inline="always", fastmath={"contract"})
+@njit(forceinline=True, fastmath={"contract"})
 def copied(usable, y, x):
     """Whether an exemplar pixel is inside and may be copied."""
     return 0 <= y < usable.shape[0] and 0 <= x < usable.shape[1] and usable[y, x] != 0
 
 
-@njit(inline="always", fastmath={"contract"})
+@njit(forceinline=True, fastmath={"contract"})
 def seam(exemplar, usable, y, x, down, right, one_y, one_x, other_y, other_x, join, busy):
     """Cost of a seam between pixel (y, x) of a piece and its neighbour, ``down`` and ``right``, of another piece.
 
@@ -54,7 +54,7 @@ def _fused(typing_context, a, b, c):
 fused: Any = intrinsic(_fused)
 
 
-@njit(inline="always", fastmath={"contract"})
+@njit(forceinline=True, fastmath={"contract"})
 def both_seams(exemplar, usable, y, x, down, right, one_y, one_x, other_y, other_x, join, busy):
     """:func:`seam` of one piece and another, and of the other and the one: in the last bits these differ."""
     ay, ax, by, bx = y + one_y, x + one_x, y + other_y, x + other_x
@@ -75,7 +75,7 @@ def both_seams(exemplar, usable, y, x, down, right, one_y, one_x, other_y, other
     return join + apart * busy / (busy + forth), join + apart * busy / (busy + back)
 
 
-@njit(inline="always", fastmath={"contract"})
+@njit(forceinline=True, fastmath={"contract"})
 def unlike(exemplar, usable, image, y, x, ey, ex, weights):
     """Squared difference of an exemplar pixel from the image at (y, x), with ``weights`` (c,) of the channels."""
     if not copied(usable, ey, ex):
@@ -87,7 +87,7 @@ def unlike(exemplar, usable, image, y, x, ey, ex, weights):
     return total
 
 
-@njit(inline="always", fastmath={"contract"})
+@njit(fastmath={"contract"})
 def inside_cost(exemplar, usable, image, known, side, step, row, column, shift_y, shift_x, pull, join, even):
     """Cost of a block that shows a piece: how unlike the image it is, and how it goes on in known pixels beside it."""
     height, width = known.shape
@@ -104,7 +104,7 @@ def inside_cost(exemplar, usable, image, known, side, step, row, column, shift_y
     return total * step * step
 
 
-@njit(inline="always", fastmath={"contract"})
+@njit(fastmath={"contract"})
 def border_cost(exemplar, usable, known, side, step, row, column, down, one_y, one_x, other_y, other_x, join, busy):
     """Cost of the seam between a block of one piece and the next one, below or on the right, of another."""
     total = np.float32(0)
@@ -120,7 +120,7 @@ def border_cost(exemplar, usable, known, side, step, row, column, down, one_y, o
     return total * step
 
 
-@njit(inline="always", fastmath={"contract"})
+@njit(fastmath={"contract"})
 def both_costs(exemplar, usable, known, side, step, row, column, down, one_y, one_x, other_y, other_x, join, busy):
     """:func:`border_cost` between one piece's block and the next of another, and between the other's and the one's."""
     forth = np.float32(0)
@@ -137,7 +137,7 @@ def both_costs(exemplar, usable, known, side, step, row, column, down, one_y, on
     return forth * step, back * step
 
 
-@njit(inline="always")
+@njit(forceinline=True)
 def open_block(pieces, free, box, row, column, piece_y, piece_x):
     """Whether a block is in the box (first and last row, first and last column) and the piece may take it over."""
     if row < box[0] or row >= box[1] or column < box[2] or column >= box[3] or not free[row, column]:

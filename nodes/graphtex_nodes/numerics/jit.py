@@ -6,6 +6,9 @@ machine code in use. Here the cache folder is named by a digest of all kernel fi
 
 A kernel file holds nothing but kernels and constants and is imported by the function that runs them, never at the top
 of a node's module. Kernels are compiled (or read from the cache) when their file is imported.
+
+What makes compiling slow: to assign an array to a slice of another (three to five seconds, for the message of shapes
+that disagree) and ``inline="always"``, for which ``forceinline=True`` does the same later. Loops and calls cost little.
 """
 
 import hashlib
@@ -159,11 +162,10 @@ def _module_of(path: Path) -> str:
 def announce(ctx: Announcing, *modules: str) -> None:
     """Compile the kernels of some files where that is still to be done, and say so; call it before importing them.
 
-    The run can be stopped between two files: the compiler, which cannot be interrupted, takes one to two seconds each.
+    The run can be stopped between two files: the compiler, which cannot be interrupted, takes one to four seconds each.
     """
-    message = "compiling kernels, once (about 10 s)"
-    for path in kernel_files():
-        if path.stem in modules and _module_of(path) not in sys.modules and is_cold(path.stem):
-            ctx.progress(0.0, message)
-            import_module(_module_of(path))
-            message = ""  # it is shown until there is another
+    named = [path for path in kernel_files() if path.stem in modules]
+    cold = [path for path in named if _module_of(path) not in sys.modules and is_cold(path.stem)]
+    for number, path in enumerate(cold, 1):
+        ctx.progress(0.0, f"compiling kernels, once ({number} of {len(cold)})")
+        import_module(_module_of(path))

@@ -8,7 +8,7 @@ from numba import njit
 from graphtex_nodes.numerics.jit import kernel
 
 
-@njit(inline="always")
+@njit(forceinline=True)
 def weigh(lack, channels, limit, bends):
     """Multiply the missing steps of a row by their weights."""
     for start in range(0, lack.shape[0], channels):

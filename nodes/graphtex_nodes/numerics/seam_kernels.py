@@ -111,7 +111,7 @@ NOTHING = np.int64(-(2**63))
 """Number of no piece: outside, and where pixels are known."""
 
 
-@njit(inline="always")
+@njit
 def number_pieces(source, y, line):
     """Write a number for the piece that each pixel of row y shows: its shifts down and right to the exemplar.
 
@@ -123,6 +123,13 @@ def number_pieces(source, y, line):
         for x in range(source.shape[1]):
             if source[y, x, 0] >= 0:
                 line[margin + x] = (np.int64(source[y, x, 0] - y) << 32) | (np.int64(source[y, x, 1] - x) & 0xFFFFFFFF)
+
+
+@njit
+def add_flags(flags, line):
+    """Set in a line the flags that are set in another."""
+    for x in range(flags.shape[0]):
+        line[x] |= flags[x]
 
 
 @kernel(
@@ -160,16 +167,16 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, steps, first, st
         # another piece in the square around a pixel has a seam one pixel nearer, unless it holds but a corner
         near[:] = 0
         for line in range(max(0, y - radius + 1), min(height, y + radius)):
-            near[radius : radius + width] |= seams[line]
+            add_flags(seams[line], near[radius:])
         close[:] = 0
         for shift in range(1, 2 * radius):
-            close |= near[shift : shift + width]
+            add_flags(near[shift : shift + width], close)
         near[:] = 0
         for line in (y - radius, y + radius):
             if 0 <= line < height:
-                near[radius : radius + width] |= seams[line]
+                add_flags(seams[line], near[radius:])
         for shift in (0, 2 * radius):
-            close |= near[shift : shift + width]
+            add_flags(near[shift : shift + width], close)
         x = 0
         while x < width:
             start = x * channels

@@ -8,7 +8,7 @@ from numba import njit
 from graphtex_nodes.numerics.jit import kernel
 
 
-@njit(inline="always")
+@njit(forceinline=True)
 def mixed(value):
     """SplitMix64's finaliser: 64 well-mixed bits of 64 bits."""
     value = (value ^ (value >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -16,7 +16,7 @@ def mixed(value):
     return value ^ (value >> np.uint64(31))
 
 
-@njit(inline="always", fastmath={"contract", "reassoc", "nsz"})
+@njit(forceinline=True, fastmath={"contract", "reassoc", "nsz"})
 def distance(first, second):
     """Squared distance of two vectors."""
     total = np.float32(0)

@@ -23,7 +23,7 @@ def add_products(samples, total, first, stop):
                 sums[column] += a * one[column] + b * two[column] + c * three[column] + d * four[column]
 
 
-@njit(inline="always", fastmath={"contract", "reassoc", "nsz"})
+@njit(forceinline=True, fastmath={"contract", "reassoc", "nsz"})
 def dot(first, second):
     """Scalar product of two vectors."""
     total = 0.0
@@ -44,7 +44,9 @@ def iterate(covariance, rows, variances, rounds):
     lengths = np.empty(count)
     for number in range(rounds + 1):
         if number > 0:
-            rows[:] = products
+            for k in range(count):
+                for j in range(size):
+                    rows[k, j] = products[k, j]
         # the last time twice: rounding left rows of unlike size a little aslant
         for _ in range(1 + (number == rounds)):
             for k in range(count):
