@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.frames import whole_windows
-from graphtex_nodes.numerics.pyramid import level_size, masked_pyramid
+from graphtex_nodes.numerics.lattice import RESOLVED, Repeats, repeats
+from graphtex_nodes.numerics.pyramid import level_size, masked_pyramid, pyramid
 from graphtex_nodes.numerics.structure import structure
 
 Array = NDArray[np.float32]
@@ -16,10 +17,12 @@ WINDOW = 8
 """Side of the windows. On the coarsest level ones of twice that come before: what they see is an arrangement."""
 COARSEST = 16
 """Least side of an exemplar on the coarsest level, two windows."""
-RESOLVED = 2.0
+SEPARATE = 2.0
 """Pixels that a period needs on the coarsest level: below, copies meet out of step there, and stay so."""
 LEAST_PERIODIC = 8
 """Least side on the coarsest level of an exemplar with a period that is resolved there."""
+ENOUGH = 128
+"""Most pixels a side on which repeats are looked for, if the coarsest level has not more."""
 SEEN = 6
 """Distances over which pixels are related that a window of the coarsest level needs to see, and no more ..."""
 FEWEST = 3
@@ -54,22 +57,38 @@ def automatic_levels(exemplar: Array) -> int:
     As many as leave a side of :data:`COARSEST` pixels, so that windows see arrangements of half the exemplar: with
     fewer, large elements break and rare ones get lost. One less for a periodic exemplar whose period would not be
     resolved on the coarsest level: there a window of twice the side sees the same half of the exemplar, twice as sharp.
-    More, down to :data:`LEAST_PERIODIC` pixels, where it would still be resolved: lattices then join without faults.
+    More, down to :data:`LEAST_PERIODIC` pixels, where it would still be resolved: copies then join without faults.
     And no more than the exemplar's structure needs: where pixels are related over short distances only, as in grass,
-    coarser levels arrange nothing and make pieces large, which then repeat.
+    coarser levels arrange nothing and make pieces large, which then repeat. One less again for a lattice of cells that
+    are hardly told from each other on the coarsest level: being kept in step is all the arrangement that they need.
     """
     side = min(exemplar.shape[:2])
     levels = 1
     while level_size(side, levels) >= COARSEST:
         levels += 1
     period, reach = structure(exemplar)
-    if levels > 1 and 0 < period < RESOLVED * 2 ** (levels - 1):
+    if levels > 1 and 0 < period < SEPARATE * 2 ** (levels - 1):
         levels -= 1
-    while period >= RESOLVED * 2**levels and level_size(side, levels) >= LEAST_PERIODIC:
+    while period >= SEPARATE * 2**levels and level_size(side, levels) >= LEAST_PERIODIC:
         levels += 1
     while levels > FEWEST and WINDOW * 2 ** (levels - 2) >= SEEN * reach:
         levels -= 1
+    if levels > FEWEST and period > 0:
+        found = coarse_repeats(pyramid(exemplar, levels))
+        levels -= int(found is not None and found.cells and found.period < RESOLVED)
     return levels
+
+
+def coarse_repeats(levels: Sequence[Array]) -> Repeats | None:
+    """After how many pixels of the last of an exemplar's ``levels`` (h, w, c) it repeats itself.
+
+    They are found on a finer one, but on none with more than :data:`ENOUGH` pixels a side.
+    """
+    last = len(levels) - 1
+    at = next((level for level in range(last) if max(levels[level].shape[:2]) <= ENOUGH), last)
+    coarse = 1 << (last - at)
+    found = repeats(levels[at], max(1, coarse // 2))
+    return None if found is None else found.enlarged(1 / coarse)
 
 
 def most_levels(shape: Sequence[int]) -> int:

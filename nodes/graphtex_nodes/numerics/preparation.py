@@ -1,16 +1,19 @@
 """What a synthesis has on a level before it searches: the exemplar's windows, and a canvas with what is known."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from graphtex_nodes.numerics import evenness
+from graphtex_nodes.numerics import evenness, lattice
 from graphtex_nodes.numerics.evenness import Homes
 from graphtex_nodes.numerics.frames import Frame, nearest_places, whole_windows
 from graphtex_nodes.numerics.guidance import random_blocks
 from graphtex_nodes.numerics.histogram import Histograms
-from graphtex_nodes.numerics.levels import Stage, rim
+from graphtex_nodes.numerics.lattice import Repeats
+from graphtex_nodes.numerics.levels import Stage, coarse_repeats, rim
 from graphtex_nodes.numerics.parallel import Work
 from graphtex_nodes.numerics.problem import Array, Field, Flags, Given, Problem, Settings
 from graphtex_nodes.numerics.transport import Market
@@ -166,6 +169,17 @@ def open_level(
     return Level(windows, canvas, problem.voted, frame, falloff, wanted, known, trust)
 
 
+def repeated(problem: Problem, images: Sequence[Given]) -> Repeats | None:
+    """After how many pixels of the coarsest level the exemplar repeats itself.
+
+    None where it does not, and where something else rules what is where, or parts of it must not be shown.
+    """
+    given = (problem.usable, problem.known, problem.start, problem.target)
+    if any(each is not None for each in given):
+        return None
+    return coarse_repeats([level.exemplar[..., : problem.exemplar.shape[2]] for level in images])
+
+
 def first_field(level: Level, colours: int, rng: np.random.Generator) -> Field:
     """Random blocks as large as a window; with a guide behind so many colours, 0 = none, such as it asks for."""
     grid = level.frame.grid
@@ -176,6 +190,23 @@ def first_field(level: Level, colours: int, rng: np.random.Generator) -> Field:
         present = centres(level.windows.exemplar[..., colours:], grid.window)
         wanted = centres(level.canvas[..., colours:], grid.window)[:: grid.step, :: grid.step]
     return random_blocks((grid.rows, grid.columns), (shape[0], shape[1]), block, grid.step, rng, wanted, present)
+
+
+def in_step(level: Level, field: Field, shifts: NDArray[np.float64]) -> Field:
+    """Sources moved to the nearest that are in step, where the exemplar repeats itself after ``shifts`` (2, 2).
+
+    Else each piece would begin a lattice of its own, and where two of them meet there would be a fault.
+    """
+    frame, rim = level.frame, level.windows.rim
+    rows, columns = (
+        np.arange(count) * frame.grid.step - margin
+        for count, margin in zip((frame.grid.rows, frame.grid.columns), frame.margins, strict=True)
+    )
+    corners = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1)
+    limits = np.full(2, -rim), np.array(level.windows.share.shape) - 1 - rim
+    found = lattice.in_step(field - rim, corners, limits, shifts, lattice.around(shifts, frame.periods)) + np.int32(rim)
+    frame.wrap_windows(found)
+    return found
 
 
 def centres(values: Any, window: int) -> Any:

@@ -45,13 +45,9 @@ def structure(image: Array) -> Structure:
     """
     if min(image.shape[:2]) < 6:
         return Structure(0.0, 0.0)
-    lags, rows, columns = _autocorrelation(image)
+    lags, rows, columns = autocorrelation(image)
     inner = lags[1:-1, 1:-1]
-    peak = inner >= STRENGTH
-    for y in range(3):
-        for x in range(3):
-            if (y, x) != (1, 1):
-                peak &= inner >= lags[y : y + inner.shape[0], x : x + inner.shape[1]]
+    peak = peaks(lags)
     distance = np.hypot(*np.meshgrid(rows[1:-1], columns[1:-1], indexing="ij"))
     peak &= distance > 2
     period = float(distance[peak & (inner >= 0.8 * inner[peak].max())].min()) if peak.any() else 0.0
@@ -75,9 +71,24 @@ def outlined(picture: Array, usable: NDArray[np.bool_] | None = None) -> float:
     return float(np.interp(kurtosis, (GRAIN, OUTLINES), (0, 1)))
 
 
-def _autocorrelation(image: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.intp]]:
-    """Autocorrelation, 1 without lag (all 0 for a plane), and the rows and columns of its lags."""
-    from scipy.fft import irfft2, next_fast_len, rfft2
+def peaks(lags: Array) -> NDArray[np.bool_]:
+    """Local maxima of an autocorrelation (h, w) that reach :data:`STRENGTH`: (h - 2, w - 2), its border is left out."""
+    inner = lags[1:-1, 1:-1]
+    result = inner >= STRENGTH
+    for y in range(3):
+        for x in range(3):
+            if (y, x) != (1, 1):
+                result &= inner >= lags[y : y + inner.shape[0], x : x + inner.shape[1]]
+    return result
+
+
+def autocorrelation(image: Array, blur: float = 0.0) -> tuple[Array, NDArray[np.intp], NDArray[np.intp]]:
+    """Autocorrelation, 1 without lag (all 0 for a plane), and the rows and columns of its lags.
+
+    The image (h, w, c) is smoothed before by a Gaussian of deviation ``blur``. Its middle counts, up to
+    :data:`LARGEST` pixels a side, and lags up to a third of that.
+    """
+    from scipy.fft import fftfreq, irfft2, next_fast_len, rfft2, rfftfreq
 
     height, width = (min(LARGEST, side) for side in image.shape[:2])
     top, left = (image.shape[0] - height) // 2, (image.shape[1] - width) // 2
@@ -90,7 +101,11 @@ def _autocorrelation(image: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.
     rows, columns = (np.arange(-(side // 3) - 1, side // 3 + 2) for side in (height, width))
     shape = tuple(next_fast_len(side + side // 3 + 1, real=True) for side in (height, width))
     waves = rfft2(part, shape, axes=(1, 2))
-    raw = irfft2((waves.real**2 + waves.imag**2).sum(axis=0), shape)
+    power = (waves.real**2 + waves.imag**2).sum(axis=0)
+    if blur > 0:
+        squares = fftfreq(shape[0])[:, None] ** 2 + rfftfreq(shape[1]) ** 2
+        power *= np.exp(-((2 * np.pi * blur) ** 2) * squares).astype(np.float32)
+    raw = irfft2(power, shape)
     overlap = np.outer(height - np.abs(rows), width - np.abs(columns))
     if raw[0, 0] <= 1e-12 * part.size:
         return np.zeros(overlap.shape, np.float32), rows, columns

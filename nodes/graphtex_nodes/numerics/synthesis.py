@@ -1,7 +1,7 @@
 """Texture optimisation over a pyramid (Kwatra et al. 2005; Kopf et al. 2007; Dong et al. 2008, section 4)."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import takewhile
 
@@ -9,9 +9,19 @@ import numpy as np
 
 from graphtex_nodes.numerics import evenness
 from graphtex_nodes.numerics.frames import Frame, replayed, transfer
+from graphtex_nodes.numerics.lattice import RESOLVED
 from graphtex_nodes.numerics.levels import Stage, border
 from graphtex_nodes.numerics.parallel import Alone, Work, aside
-from graphtex_nodes.numerics.preparation import Level, Windows, exemplar_windows, first_field, open_level, quick
+from graphtex_nodes.numerics.preparation import (
+    Level,
+    Windows,
+    exemplar_windows,
+    first_field,
+    in_step,
+    open_level,
+    quick,
+    repeated,
+)
 from graphtex_nodes.numerics.problem import Array, Field, Given, Problem, Result, Settings, pyramids
 from graphtex_nodes.numerics.search import EXACT_LIMIT, Charge, exact_cost, search_exact, search_warm
 from graphtex_nodes.numerics.transport import prices
@@ -47,6 +57,7 @@ def synthesise(
     if settings.replay:
         plan = [*plan[:1], *takewhile(lambda stage: stage.iterations, plan[1:])]
     images = pyramids(problem, levels)
+    regular = repeated(problem, images)
     seed = int(rng.integers(2**63))
     total = sum(stage.iterations * 4.0**-stage.level for stage in plan)
     done = 0.0
@@ -57,8 +68,10 @@ def synthesise(
     for number, (stage, frame) in enumerate(zip(plan, frames, strict=True)):
         at, windows = stage.level, coming.pop(0)()
         level = open_level(problem, settings, stage, frame, images[at], windows)
+        here = None if regular is None else regular.enlarged(1 << (levels - 1 - at))
         if before is None:
             field = first_field(level, problem.exemplar.shape[2] if problem.target is not None else 0, rng)
+            field = field if here is None else in_step(level, field, here.shifts)
         else:
             rims = before[3], windows.rim
             field = transfer(before[0], before[1], frame, 1 << (before[2] - at), windows.share.shape, rims)
@@ -72,6 +85,8 @@ def synthesise(
             draw = int(np.random.SeedSequence([seed, number, iteration]).generate_state(1, np.uint64)[0])
             weighted = aside(partial(level.weighted, settings.histogram), work)
             match, squared = _search(level, match, charges, settings, draw, (number, iteration), work)
+            if here is not None and here.period < RESOLVED:
+                match = replace(match, field=in_step(level, match.field, here.shifts))
             if iteration + 1 < stage.iterations:
                 charges = aside(partial(_charges, level, match, settings.evenness, (number, iteration + 1)), work)
             energy = aside(partial(_energy, squared, stage.window, settings.exponent), work)

@@ -30,7 +30,7 @@ def test_no_period(image):
 
 
 @pytest.mark.parametrize(
-    ("image", "levels"), [(NOISE, 3), (chequers(16), 3), (chequers(40), 4), (chequers(48), 5), (NOISE[:9], 1)]
+    ("image", "levels"), [(NOISE, 3), (chequers(16), 3), (chequers(40), 3), (chequers(48), 5), (NOISE[:9], 1)]
 )
 def test_automatic_levels(image, levels):
     assert automatic_levels(image) == levels
