@@ -133,6 +133,8 @@ def test_a_mask_from_a_file_gives_the_scale(tmp_path: Path):
     assert scale.shape == (48, 96)
     assert scale[:, :24].mean() < 0.7
     assert scale[:, -24:].mean() > 1.2
+    with pytest.raises(gt.NodeFailed, match=r"scale: image: axis h has size 64 .*, but mask has 60"):
+        gt.run(gt.load(GRAPH.with_name("own-mask.yaml")), {**inputs, "mask": mask[:60, :, 0] > 0}, cache=False)
     shipped = gt.run(gt.load(GRAPH.with_name("own-mask.yaml")), {"width": 40, "height": 31}, cache=False)
     assert shipped["image"].shape == (31, 40, 3)
 

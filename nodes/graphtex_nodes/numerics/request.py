@@ -23,7 +23,8 @@ MISSING_WORTH_TELLING = 0.01
 class Scales:
     """The scale channel: maps of the exemplar and of the output, their weight, and whether the output's is held.
 
-    If the exemplar is a sheet of several and of copies, ``parts`` are those which it was made from.
+    If the exemplar is a sheet of several and of copies, ``parts`` are those which it was made from. Warnings call the
+    exemplar's map by its ``name`` and tell what provides ``more`` scales, if something does.
     """
 
     exemplar: Array | None
@@ -31,6 +32,8 @@ class Scales:
     weight: float
     hold: bool
     parts: Sequence[Atlas] = ()
+    name: str = "exemplar_scale"
+    more: str = "; resample makes copies of other sizes"
 
 
 @dataclass(frozen=True)
@@ -191,7 +194,7 @@ def _scale_guide(
     trust = guidance.trust(scales.exemplar, chosen, planes)
     if trust < DOUBTFUL:
         work.warn(
-            f"exemplar_scale varies by {float(np.std(np.log(have), dtype=np.float64)):.0%} only, and not like a plane: "
+            f"{scales.name} varies by {float(np.std(np.log(have), dtype=np.float64)):.0%} only, and not like a plane: "
             f"it is taken for noise and followed with {trust:.2g} of the weight (a larger scale_weight makes up for it)"
         )
     factor = np.float32(guidance.scale_factor(colours, have, scales.weight * trust))
@@ -203,7 +206,7 @@ def _scale_guide(
     if missing > MISSING_WORTH_TELLING:
         work.warn(
             f"{missing:.0%} of the output asks for scales that the exemplar lacks (it has "
-            f"{have.min():.2g} to {have.max():.2g}): the nearest are used there; resample makes copies of others"
+            f"{have.min():.2g} to {have.max():.2g}): the nearest are used there{scales.more}"
         )
         target = np.clip(target, have.min(), have.max())
     share = guidance.importance(have, target[asked])
@@ -243,8 +246,5 @@ def _can_guide(colours: Array, scales: Scales, chosen: Flags, work: Work) -> boo
         raise ValueError('target_scale: expected a map beside exemplar_scale (or scale_mode="free"), got none')
     if guidance.scale_factor(colours, scales.exemplar[chosen], scales.weight) > 0:
         return True
-    work.warn(
-        "exemplar_scale is the same everywhere: it cannot guide, the synthesis is plain; "
-        "resample makes copies of other sizes"
-    )
+    work.warn(f"{scales.name} is the same everywhere: it cannot guide, the synthesis is plain{scales.more}")
     return False

@@ -44,7 +44,7 @@ class Canvas:
         """A box of the picture with the mean colour in place of what is not known."""
         hidden = self.hole[box]
         colours = self.image[box]
-        seen = np.where(hidden[..., None], colours[~hidden].mean(axis=0), colours).astype(np.float32)
+        seen = np.where(hidden[..., None], colours[~hidden].mean(axis=0, dtype=np.float64), colours).astype(np.float32)
         return Level(seen, self.usable[box], part[box])
 
     def continue_scale(self, box: Box, harmonic: bool, work: Work) -> None:
@@ -88,7 +88,7 @@ class Canvas:
         known = ~self.hole | (part & ~rest)
         problem = pose(
             self.image[taken], (box[0].stop - box[0].start, box[1].stop - box[1].start),
-            Scales(self.scales[taken], self.scales[box], weight, True), work,
+            Scales(self.scales[taken], self.scales[box], weight, True, name="scale", more=""), work,
             usable=self.usable[taken], start=self.image[box], known=known[box],
         )  # fmt: skip
         iterations, settings = plan

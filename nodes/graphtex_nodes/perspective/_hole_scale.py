@@ -71,7 +71,7 @@ def _densities(photo: Array, hole: Array) -> tuple[Array, Array]:
     """Scale by the density of features outside the hole (equation 1, bounded), and where enough is seen to tell."""
     from scipy.ndimage import binary_dilation
 
-    filled = np.where(hole[..., None], photo[~hole].mean(axis=0), photo).astype(np.float32)
+    filled = np.where(hole[..., None], photo[~hole].mean(axis=0, dtype=np.float64), photo).astype(np.float32)
     told: list[str] = []
     features = feature_mask(filled, ctx=Context(threads=1, on_warning=told.append))
     clear = ~binary_dilation(hole, iterations=EDGE)

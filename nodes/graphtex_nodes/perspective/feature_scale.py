@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from graphtex import QUIET, Context, Mask, ScaleMap, node
+from graphtex import QUIET, Axes, Context, Image, Mask, ScaleMap, node
 from graphtex_nodes.numerics.guidance import resampled
 from graphtex_nodes.numerics.window_mean import window_mean
 
@@ -23,7 +23,8 @@ LEVELS = 1023  # the running median tells so many steps apart
 
 @node
 def feature_scale(
-    mask: Mask,
+    mask: Annotated[Mask, Axes("h w")],
+    image: Annotated[Image, Axes("h w c")] | None = None,
     *,
     form: Annotated[Form, Field(description="how density becomes scale")] = "bounded",
     window: Annotated[int | None, Field(ge=1, description="side of the window, pixels; none: by the picture")] = None,
@@ -52,6 +53,9 @@ def feature_scale(
     mask
         (h, w), True on thin features as `FeatureMask` finds them: their density must fall as texels grow. Filled
         elements do not do that, and a warning tells where features look filled.
+    image
+        The picture that the mask was drawn for, if it is to be made sure that they are of one size; no more of it is
+        read.
     window
         The paper takes 32. It should hold several texels, even large ones. Without a value, a quarter of the picture's
         shorter side. An even window reaches one pixel further up and left than down and right.
@@ -67,7 +71,7 @@ def feature_scale(
     Raises
     ------
     ValueError
-        The mask is empty.
+        The mask is empty, or not as large as the image.
 
     Notes
     -----

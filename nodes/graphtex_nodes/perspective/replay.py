@@ -156,14 +156,16 @@ def _require_maps(source: Array, maps: list[Array], factor: float) -> None:
 
 
 def _doubt_factor(source: Array, maps: list[Array], factor: float, warn: Callable[[str], None]) -> None:
-    """Warn of maps that are larger than the exemplar by a factor that was not told, so that but a corner is shown."""
+    """Warn of maps so much larger than the exemplar that but a corner is shown: others, or by a factor not told."""
     for number, picture in enumerate(maps):
         own = source[source[..., 0] == number]
         if len(own):
             used = np.rint(own[:, 1:3].max(axis=0)) + 1
             larger = picture.shape[:2] / used
-            if larger.min() > LARGER * factor and larger.max() < 1.1 * larger.min() and len(own) > used.prod() / 4:
+            if larger.min() > LARGER * factor and len(own) > used.prod() / 4:
+                alike = larger.max() < 1.1 * larger.min()
+                doubt = f"is factor {np.rint(larger.min()):g}?" if alike else "is it a map of that exemplar?"
                 warn(
                     f"maps[{number}]: the source map names its first {used[0] * factor:g} of {picture.shape[0]} rows "
-                    f"and {used[1] * factor:g} of {picture.shape[1]} columns; is factor {np.rint(larger.min()):g}?"
+                    f"and {used[1] * factor:g} of {picture.shape[1]} columns; {doubt}"
                 )

@@ -239,6 +239,30 @@ def test_sprinkled_pixels_take_from_many_places():
     np.testing.assert_allclose(result.image[hole].mean(axis=0), photo[hole].mean(axis=0), atol=0.03)
 
 
+@pytest.mark.parametrize("method", ["pieces", "windows"])
+def test_a_plain_photo_recedes_nowhere(method):
+    """Its mean in single precision differs from it, which must not be taken for texture; warnings would be errors."""
+    photo, hole = np.full((96, 120, 3), 100 / 255, np.float32), np.zeros((96, 120), bool)
+    hole[:30, :40] = True
+    result = complete(photo, hole, method=method, ctx=Context(threads=1))
+    assert (result.scale == 1).all()
+    np.testing.assert_array_equal(result.image, photo)
+
+
+def test_warnings_name_what_the_node_has():
+    """Of a scale that hardly varies, and of one that the surroundings lack: there is no exemplar_scale, no resample."""
+    told = []
+    hole = hole_of("corner")
+    ctx = Context(threads=1, on_warning=told.append)
+    noisy = np.exp(RNG.normal(0, 0.05, SLOPE.shape)).astype(np.float32)
+    scales = noisy, np.where(hole, np.float32(4), SLOPE)
+    for scale in scales:
+        complete(NOISE, hole, scale, continuation="given", method="windows", iterations=1, ctx=ctx)
+    assert told[0].startswith("scale varies by 5% only, and not like a plane")
+    assert told[-1].startswith("100% of the output asks for scales that the exemplar lacks")
+    assert told[-1].endswith("the nearest are used there")
+
+
 def test_given_scale_is_kept():
     scale = SLOPE[::-1].copy()
     result = complete(NOISE, hole_of("corner"), scale, continuation="given", iterations=1, ctx=QUIET)

@@ -180,6 +180,13 @@ def test_empty_mask():
         feature_scale(np.zeros((4, 6), bool))
 
 
+def test_mask_of_another_size_than_its_picture():
+    mask = np.eye(4, 6, dtype=bool)
+    np.testing.assert_array_equal(feature_scale(mask, np.zeros((4, 6, 3), np.float32)), feature_scale(mask))
+    with pytest.raises(ValueError, match=r"image: axis w has size 5 .*, but mask has 6"):
+        feature_scale(mask, np.zeros((4, 5, 3), np.float32))
+
+
 @pytest.mark.parametrize("wrong", [{"window": 0}, {"alpha": 1.5}, {"passes": -1}, {"form": "linear"}, {"smoothing": 0}])
 def test_refuses(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):

@@ -137,6 +137,8 @@ def test_a_forgotten_factor_is_warned_of():
         replay(made.source, [large])
     replay(made.source, [large], factor=2)
     replay(made.source, [np.pad(NOISE, ((0, len(NOISE)), (0, 0), (0, 0)))])  # another shape: it may be an atlas
+    with pytest.warns(UserWarning, match=r"rows and \d+ of 110 columns; is it a map of that exemplar\?"):
+        replay(made.source, [np.zeros((80, 110, 3), np.float32)])
     replay(made.source[:4, :4], [large])
 
 
