@@ -19,6 +19,8 @@ SHARES = (0.65, 0.85)
 """Shares of the variance on a plane that noise has, and that it has not."""
 LEAST = 0.1
 """What is left of the weight of noise: enough for a larger weight to have its way."""
+MOST_COMPARED, COMPARED_AT_ONCE = 1 << 24, 1 << 18
+"""Pairs of a wish and what there is of which distances are worked out for a first field, and for a part of it."""
 
 
 def scale_factor(colours: Array, scale: Array, weight: float) -> float:
@@ -190,11 +192,19 @@ def _of_scale(wanted: Array, present: Array, rng: np.random.Generator) -> NDArra
 
 
 def _alike(wanted: Array, present: Array, rng: np.random.Generator) -> NDArray[np.intp]:
-    """For each wish (n, g) the index of a random one of the tenth of what is present (m, g) that is nearest to it."""
-    count = max(1, len(present) // 10)
-    chosen = np.empty(len(wanted), np.intp)
-    for number, (wish, draw) in enumerate(zip(wanted, rng.random(len(wanted)), strict=True)):
-        apart = ((present - wish) ** 2).sum(axis=1)
-        near = np.flatnonzero(apart <= np.partition(apart, count - 1)[count - 1])
-        chosen[number] = near[int(draw * len(near))]
+    """For each wish (n, g) the index of a random one of the tenth of what is present (m, g) that is nearest to it.
+
+    With many wishes a sample of what is present has to do.
+    """
+    few = max(1, min(len(present), MOST_COMPARED // len(wanted)))
+    sample = np.arange(few, dtype=np.intp) * len(present) // few
+    count = max(1, few // 10)
+    draws, chosen = rng.random(len(wanted)), np.empty(len(wanted), np.intp)
+    at_once = max(1, COMPARED_AT_ONCE // few)
+    for first in range(0, len(wanted), at_once):
+        part = slice(first, first + at_once)
+        apart = ((present[sample] - wanted[part, None]) ** 2).sum(axis=2)
+        near = apart <= np.partition(apart, count - 1, axis=1)[:, count - 1 : count]
+        rank = (draws[part] * near.sum(axis=1)).astype(np.intp)
+        chosen[part] = sample[np.argmax(near.cumsum(axis=1) > rank[:, None], axis=1)]
     return chosen

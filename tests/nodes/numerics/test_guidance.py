@@ -89,6 +89,22 @@ def test_blocks_of_matching_scale():
     assert len(np.unique(field[..., 1])) == 30
 
 
+def test_blocks_of_matching_direction(monkeypatch):
+    """Among the nearest tenth, also where there are so many blocks that they are compared with a sample, part by part."""
+    directions = guidance.direction_channels(np.tile(np.arange(0.0, 180.0, 4.5, dtype=np.float32), (30, 1)), False)
+    wanted = np.repeat(directions[:1, ::2], 20, axis=0)
+    sampled = []
+    for most, at_once in ((1 << 24, 1 << 18), (1 << 16, 1 << 12)):
+        monkeypatch.setattr(guidance, "MOST_COMPARED", most)
+        monkeypatch.setattr(guidance, "COMPARED_AT_ONCE", at_once)
+        field = guidance.random_blocks((20, 20), (30, 40), 1, 1, np.random.default_rng(1), wanted, directions)
+        apart = (directions[field[..., 0], field[..., 1]] * wanted).sum(axis=2)
+        assert apart.min() > np.cos(np.radians(2 * 9.5))  # 40 directions: the tenth are two on each side
+        sampled.append(len(np.unique(field.reshape(-1, 2), axis=0)))
+    assert sampled[0] > 300
+    assert 100 < sampled[1] < 164  # of 65536 / 400
+
+
 def test_scale_beyond_the_exemplar_takes_the_nearest():
     wanted = np.full((4, 4), 8, np.float32)
     field = guidance.random_blocks((4, 4), (40, 30), 1, 1, np.random.default_rng(1), wanted, ROWS)
