@@ -40,6 +40,22 @@ def test_worked_by_hand(edit, expected):
     np.testing.assert_allclose(quiet(STEPS, {**edit, "region": LEFT})[0], expected, rtol=1e-6)
 
 
+@pytest.mark.parametrize("sigma", [23.0, 25.0, 60.0])
+def test_smooths_as_a_gaussian_with_the_border_repeated(sigma):
+    """A narrow Gaussian and a wide one, which is worked out in another way, against the sum itself."""
+    scale = np.exp(np.random.default_rng(4).uniform(-1, 1, (40, 70))).astype(np.float32)
+    expected = np.log(scale.astype(np.float64))
+    for axis, count in enumerate(scale.shape):
+        steps = np.arange(-round(4 * sigma), round(4 * sigma) + 1)
+        weights = np.exp(-(steps**2) / (2 * sigma**2))
+        matrix = np.zeros((count, count))
+        for place in range(count):
+            np.add.at(matrix[place], np.clip(place + steps, 0, count - 1), weights / weights.sum())
+        expected = np.moveaxis(np.tensordot(matrix, expected, axes=(1, axis)), 0, axis)
+    smooth = quiet(scale, {"do": "smooth", "sigma": sigma})
+    np.testing.assert_allclose(smooth, np.exp(expected), rtol=1e-6)
+
+
 def test_smoothing_is_that_of_logarithms():
     """In the middle of a wide symmetric step from 1/4 to 4 a Gaussian leaves 1; outside the region nothing changes."""
     scale = np.repeat(np.array([[0.25, 4.0]], np.float32), 20, axis=1)
