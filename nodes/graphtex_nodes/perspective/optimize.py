@@ -35,6 +35,9 @@ from graphtex_nodes.perspective._parameters import (
     output_size,
 )
 
+SCANT = 4
+"""Side of windows, pixels, that see next to nothing."""
+
 
 class Synthesis(NamedTuple):
     """A texture, where each pixel comes from, and figures to judge it by."""
@@ -257,6 +260,10 @@ def optimize(
             f"windows: {max(windows)} is more than half of an exemplar of shape {leader.shape}: it is made smaller"
         )
     plan = plans.eased(plans.plan(leader, problem.usable, levels, windows, iterations), effort.fine, effort.coarse)
+    room = plan[-1].window
+    if room <= SCANT and (not windows or min(windows) > room):
+        part = f"shape {leader.shape}" if problem.usable is None else "its usable part"
+        ctx.warn(f"exemplar: {part} has room for windows of {room} x {room} pixels only: too little to see elements in")
     settings = Settings(
         exponent,
         histogram,

@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from graphtex import Image, ScaleMap, node
+from graphtex import QUIET, Context, Image, ScaleMap, node
 from graphtex_nodes.numerics.plane import seen_plane
 from graphtex_nodes.perspective._sizes import MOST
 
@@ -28,6 +28,7 @@ def scale_from_angles(
     field_of_view: View | None = None,
     mirror: Annotated[bool, Field(description="exchange left and right of the finished map")] = False,
     flip: Annotated[bool, Field(description="exchange top and bottom of the finished map")] = False,
+    ctx: Context = QUIET,
 ) -> ScaleMap:
     r"""Scale map of a plane, linear along the tilt direction.
 
@@ -60,7 +61,8 @@ def scale_from_angles(
     Returns
     -------
     ScaleMap
-        (height, width). The product of both ends is 1. Ends beyond [1/8, 8] (slants over 82.8) are clamped.
+        (height, width). The product of both ends is 1. Ends beyond [1/8, 8] (slants over 82.8) are clamped, with a
+        warning that tells the share of pixels.
 
     Raises
     ------
@@ -86,6 +88,9 @@ def scale_from_angles(
         width, height = width or image.shape[1], height or image.shape[0]
     scale = seen_plane(width, height, slant, tilt, field_of_view).scale()
     clamped = np.clip(scale, SMALLEST, LARGEST)
+    share = float(np.mean(np.abs(scale - clamped) > 1e-6 * clamped))  # rounding is not worth a warning
+    if share:
+        ctx.warn(f"slant: {share:.1%} of the scales lie outside [1/8, 8] and are clamped: a smaller slant has fewer")
     if mirror:
         clamped = clamped[:, ::-1]
     if flip:

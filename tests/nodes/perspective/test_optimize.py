@@ -111,8 +111,11 @@ def test_threads_change_no_byte():
 @pytest.mark.parametrize("shape", [(1, 1, 1), (1, 30, 3), (5, 7, 2), (17, 9, 16)])
 @pytest.mark.parametrize("size", [{}, {"width": 1, "height": 1}, {"width": 31, "height": 3}])
 def test_any_size(shape, size):
-    exemplar = RNG.random(shape).astype(np.float32)
-    image = optimize(exemplar, iterations=1, ctx=QUIET, **size).image
+    exemplar, told = RNG.random(shape).astype(np.float32), []
+    image = optimize(exemplar, iterations=1, ctx=Context(threads=1, on_warning=told.append), **size).image
+    room = min(4, min(shape[:2]))
+    text = f"exemplar: shape {shape} has room for windows of {room} x {room} pixels only: too little to see elements in"
+    assert told == [text]
     assert image.shape == (size.get("height", 2 * shape[0]), size.get("width", 2 * shape[1]), shape[2])
     assert image.min() >= exemplar.min() - 1e-5
     assert image.max() <= exemplar.max() + 1e-5
@@ -145,6 +148,15 @@ def test_tells_of_scales_that_the_exemplar_lacks(target, text):
     told = []
     optimize(NOISE, SCALE, target, iterations=1, ctx=Context(threads=1, on_warning=told.append))
     assert [bool(re.search(text or "", line)) for line in told] == [True] * (text is not None)
+
+
+@pytest.mark.parametrize(("windows", "warned"), [((), True), ((2,), False)])
+def test_tells_that_hardly_any_window_is_usable(windows, warned):
+    told = []
+    usable = np.random.default_rng(0).random(NOISE.shape[:2]) < 0.6
+    optimize(NOISE, usable=usable, windows=windows, iterations=1, ctx=Context(threads=1, on_warning=told.append))
+    text = "exemplar: its usable part has room for windows of 2 x 2 pixels only: too little to see elements in"
+    assert told == [text] * warned
 
 
 def test_exemplar_smaller_than_the_window():

@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from graphtex import Context
 from graphtex_nodes.perspective.resize_scale import resize_scale
 from graphtex_nodes.perspective.scale_from_angles import scale_from_angles
 from tests.truth import rendered_plane
@@ -72,11 +73,21 @@ def test_mirror_and_flip():
 
 @given(w=st.integers(1, 40), h=st.integers(1, 40), slant=st.floats(0, 89), tilt=st.floats(-180, 180))
 def test_stays_in_range(w, h, slant, tilt):
-    scale = scale_from_angles(width=w, height=h, slant=slant, tilt=tilt)
+    told = []
+    scale = scale_from_angles(width=w, height=h, slant=slant, tilt=tilt, ctx=Context(on_warning=told.append))
+    assert not told or slant > 82.8
     bound = min(1 / np.cos(np.radians(slant)), 8) * (1 + 1e-6)
     assert scale.shape == (h, w)
     assert scale.min() >= 1 / bound
     assert scale.max() <= bound
+
+
+def test_tells_what_is_clamped():
+    """At slant 84 a column falls evenly from 9.6 to 0.1: a sixth of it is above 8, and its last three pixels below 1/8."""
+    told = []
+    scale = scale_from_angles(width=3, height=1001, slant=84.0, ctx=Context(on_warning=told.append))
+    assert (scale.min(), scale.max()) == (1 / 8, 8)
+    assert told == ["slant: 16.9% of the scales lie outside [1/8, 8] and are clamped: a smaller slant has fewer"]
 
 
 @pytest.mark.parametrize(
