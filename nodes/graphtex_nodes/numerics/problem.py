@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.pyramid import masked_pyramid, pyramid
-from graphtex_nodes.numerics.structure import outlined
+from graphtex_nodes.numerics.structure import grain
 from graphtex_nodes.numerics.windows import DIRECTIONS
 
 Array = NDArray[np.float32]
@@ -194,6 +194,6 @@ def pyramids(problem: Problem, levels: int) -> list[Given]:
     targets = nothing if problem.target is None else pyramid(problem.target, levels)
     # noise of single pixels may hide outlines
     first = min(1, levels - 1)
-    grains = [1 - outlined(exemplars[first][..., : problem.exemplar.shape[2]], usable[first])] * levels
+    grains = [grain(exemplars[first][..., : problem.exemplar.shape[2]], usable[first])] * levels
     given = zip(exemplars, usable, importances, targets, start, known, grains, strict=True)
     return [Given(*level) for level in given]

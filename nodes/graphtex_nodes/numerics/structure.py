@@ -14,6 +14,9 @@ STRENGTH = 0.3
 RELATED = 0.1
 """Root mean square of the autocorrelation at a distance from which on pixels count as related there."""
 
+SMALL, LARGE = 1 / 64, 3 / 64
+"""Reach in an exemplar's smaller side up to which its elements are so small that it is seen as grain, and from which
+they are told by their outlines."""
 GRAIN, OUTLINES = 5.0, 7.0
 """Kurtosis of the steps between neighbouring pixels up to which an exemplar is grain, and from which it has outlines.
 Sand has 4, grass and stone 4 to 6, generated bricks and cloth 8, pebbles 12, coins 17."""
@@ -69,6 +72,18 @@ def outlined(picture: Array, usable: NDArray[np.bool_] | None = None) -> float:
     mean = float(squared.mean()) if squared.size else 0.0
     kurtosis = float((squared**2).mean()) / mean**2 if mean > 0 else 0.0
     return float(np.interp(kurtosis, (GRAIN, OUTLINES), (0, 1)))
+
+
+def grain(picture: Array, usable: NDArray[np.bool_] | None = None) -> float:
+    """Whether a picture (h, w, c) is grain, 1, or has elements, 0, that show where they are cut.
+
+    Grain has no outlines, see :func:`outlined`, or elements that are small beside the picture. Their size is not looked
+    at where some pixels are not ``usable`` (h, w).
+    """
+    plain = 1 - outlined(picture, usable)
+    if plain == 1 or usable is not None:
+        return plain
+    return max(plain, float(np.interp(structure(picture).reach / min(picture.shape[:2]), (SMALL, LARGE), (1, 0))))
 
 
 def peaks(lags: Array) -> NDArray[np.bool_]:

@@ -3,7 +3,7 @@ import pytest
 
 from graphtex_nodes.image.exemplars.sample import sample
 from graphtex_nodes.numerics.levels import FEW, Stage, automatic_levels, eased, fitting, most_levels, rim, stages
-from graphtex_nodes.numerics.structure import outlined, structure
+from graphtex_nodes.numerics.structure import grain, outlined, structure
 
 NOISE = np.random.default_rng(0).random((128, 128, 1)).astype(np.float32)
 
@@ -111,8 +111,19 @@ def test_nothing_has_no_outlines():
     assert outlined(np.zeros((1, 1, 3), np.float32)) == outlined(np.ones((9, 9, 1), np.float32)) == 0
 
 
-def test_rims_are_wider_in_grain():
-    """A quarter of a window's side, three eighths in grain; none where parts may not be used, nor at one pixel."""
-    assert [rim(window, None, 0.0) for window in (16, 8, 6, 1)] == [4, 2, 1, 0]
-    assert [rim(window, None, 1.0) for window in (16, 8, 6, 1)] == [6, 3, 2, 0]
-    assert rim(8, np.ones((20, 20), bool), 1.0) == 0
+@pytest.mark.parametrize(("side", "share"), [(4, 1), (10, 0.6), (40, 0)])
+def test_small_elements_are_grain_whatever_their_outlines(side, share):
+    """Pixels of discs are related over most of their diameter: a 64th, a 25th, or a sixth of the picture."""
+    rows, columns = np.mgrid[:256, :256]
+    places = np.random.default_rng(1).integers(0, 256, (2, 12000 // side**2))
+    picture = np.zeros((256, 256, 1), np.float32)
+    for row, column in places.T:
+        picture[np.hypot(rows - row, columns - column) <= side / 2] = 1
+    assert outlined(picture) == 1
+    assert grain(picture) == pytest.approx(share, abs=0.1)
+
+
+def test_rims_are_a_quarter_of_a_window():
+    """None where parts may not be used, nor at one pixel."""
+    assert [rim(window, None) for window in (16, 8, 6, 1)] == [4, 2, 1, 0]
+    assert rim(8, np.ones((20, 20), bool)) == 0
