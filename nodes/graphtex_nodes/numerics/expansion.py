@@ -44,9 +44,12 @@ def expand(
 
     both = joins(labels)
     best = total(labels, both)
+    settled = 0  # labels in a row of which no expansion helped: after all of them none will
     for _ in range(sweeps):
-        before = best
         for label in range(len(unary)):
+            if settled == len(unary):
+                return labels
+            settled += 1
             work.check()
             alpha = np.full(first.size, label)
             one, other = pairwise(labels[first], alpha), pairwise(alpha, labels[second])
@@ -65,7 +68,5 @@ def expand(
             joined = joins(changed)
             cost = total(changed, joined)
             if cost < best - 1e-9 * abs(best):
-                labels, both, best = changed, joined, cost
-        if best >= before:
-            break
+                labels, both, best, settled = changed, joined, cost, 0
     return labels

@@ -32,7 +32,7 @@ OUTLINE = 0.5
 """Differences at a seam that are bent away by half, likewise."""
 NONE = 1e4
 """Cost of a pixel of the hole without source: above that of any seam."""
-ANCHORS, BEST, MOST = 33, 3, 48
+ANCHORS, BEST, MOST = 33, 3, 96
 """Places along the hole's border, moves of each of them, and moves of all together, from which the cut chooses."""
 SEARCHED, CUT = 150_000, 4_000
 """Pixels of the reduced picture in which moves are looked for, and of the hole in the one where it is cut first."""
@@ -226,7 +226,7 @@ def _bend(
     level: Level, views: Views, moves: Sequence[Move], labels: Array, colours: Array, usable: Array, bends: Array,
     work: Work,
 ) -> Array:  # fmt: skip
-    """Corrections (n, c) of the hole's colours: gradients stay, but for the mean of both pieces' across a seam.
+    """Corrections (n, c) of the hole's colours: gradients stay, and across a seam are those of the pieces there.
 
     Channels whose ``bends`` is 0 need none, and those where it is 2 are bent at outlines too.
     """
@@ -253,10 +253,11 @@ def _bend(
         ahead = np.where(goes_on[:, None], ahead, colours[p])
         beside, fits_here = views.looked_up(moves, others[at], rows[p], columns[p])
         theirs = np.where(border[:, None], level.picture[there_rows[at], there_columns[at]], colours[q])
-        between = np.where(
-            (goes_on & fits_here & usable[p] & usable[q])[:, None], beside + theirs - colours[p] - ahead, 0
-        )
-        step = np.where(border[:, None], theirs - ahead, between / 2)
+        # that of two pieces which goes on over their seam, or the mean of both, tells what the step should be
+        told = ((goes_on, theirs - ahead), (fits_here, beside - colours[p]))
+        weights = [(each & usable[p] & usable[q]).astype(np.float32)[:, None] for each, _ in told]
+        between = sum(weight * lack for weight, (_, lack) in zip(weights, told, strict=True))
+        step = np.where(border[:, None], theirs - ahead, between / np.maximum(sum(weights), 1))
         # a large difference is the outline of an element: bent away, it would smear
         gentle = 1 / (1 + (_length(step) / (OUTLINE * spread)) ** 2)
         lacks.append((p, border, step, gentle))

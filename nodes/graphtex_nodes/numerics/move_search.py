@@ -16,6 +16,8 @@ OVERLAP = 8
 """Pixels around the hole over which pieces must agree with what is known."""
 RADII = 8, 40
 """Least and most pixels of the discs around them: about as far as the hole's middle is from its border."""
+NARROW = 12
+"""Pixels of further discs where those are larger: what fits there need not reach far, but meets the border well."""
 FEWEST = 16
 """Known pixels that an anchor needs."""
 APART = 3
@@ -101,9 +103,10 @@ def laid_flat(slope: Slope, level: Level) -> Sheet:
 
 
 def anchors(sheet: Sheet, most: int) -> list[tuple[Array, int]]:
-    """At most so many places along the border of the hole, spread evenly: discs around them as masks, and their radius.
+    """Places along the border of the hole, spread evenly: discs around them as masks, and their radius.
 
-    The first is a band along all of the border instead, with radius 0.
+    The first is a band along all of the border instead, with radius 0. Then come less than ``most`` discs about as wide
+    as the hole and, where these are not narrow themselves, as many narrow ones.
     """
     from scipy.ndimage import binary_erosion, distance_transform_edt
 
@@ -112,16 +115,25 @@ def anchors(sheet: Sheet, most: int) -> list[tuple[Array, int]]:
         return []
     depth = float(distance_transform_edt(np.pad(sheet.hole, 1)).max())
     radius = int(np.clip(depth, *RADII))
-    apart = np.full(len(border), np.inf)
-    chosen = [0]
-    while len(chosen) < most - 1:
-        apart = np.minimum(apart, np.hypot(*(border - border[chosen[-1]]).T))
-        if apart.max() < radius:
-            break
-        chosen.append(int(np.argmax(apart)))
+    places = [(np.asarray(distance_transform_edt(~sheet.hole) <= radius / 2), 0)]
     y, x = np.ogrid[: sheet.hole.shape[0], : sheet.hole.shape[1]]
-    discs = [((y - row) ** 2 + (x - column) ** 2 <= radius**2, radius) for row, column in border[chosen]]
-    return [(distance_transform_edt(~sheet.hole) <= radius / 2, 0), *discs]
+    for reach in (radius, NARROW) if radius > NARROW else (radius,):
+        for row, column in _spread_out(border, reach, most - 1):
+            places.append(((y - row) ** 2 + (x - column) ** 2 <= reach**2, reach))
+    return places
+
+
+def _spread_out(points: Array, apart: float, most: int) -> Array:
+    """At most so many of the points (n, 2), each the farthest from those before it, and none nearer than ``apart``."""
+    away = np.full(len(points), np.inf)
+    chosen = [0]
+    while len(chosen) < most:
+        away = np.minimum(away, np.hypot(*(points - points[chosen[-1]]).T))
+        if away.max() < apart:
+            break
+        chosen.append(int(np.argmax(away)))
+    result: Array = points[chosen]
+    return result
 
 
 def _shifts(used: Array, period: int) -> Array:
@@ -188,8 +200,11 @@ def fits(
     height, width = (next_fast_len(side, real=True) for side in sheet.hole.shape)
 
     def transform(values: Array) -> Array:
-        return rfft2(values.astype(np.float64), (height, width))
+        return rfft2(values.astype(np.float32), (height, width))
 
+    # what all colours have in common would cost single precision its digits
+    middle = sheet.colours[sheet.usable].mean(axis=0, dtype=np.float64)
+    sheet = replace(sheet, colours=(sheet.colours - middle).astype(np.float32))
     colours = np.moveaxis(np.where(sheet.usable[..., None], sheet.colours, 0), -1, 0)
     spectra = _Spectra(
         (height, width),
@@ -211,8 +226,8 @@ def _conjugate(values: Array, top: int, shape: tuple[int, int]) -> Array:
     """Conjugate transform of values in the rows from ``top`` on, 0 elsewhere: other rows need no transform."""
     from scipy.fft import fft, rfft
 
-    spectrum = np.zeros((shape[0], shape[1] // 2 + 1), np.complex128)
-    spectrum[top : top + len(values)] = rfft(values.astype(np.float64), shape[1])
+    spectrum = np.zeros((shape[0], shape[1] // 2 + 1), np.complex64)
+    spectrum[top : top + len(values)] = rfft(values.astype(np.float32), shape[1])
     spectrum = fft(spectrum, axis=0, overwrite_x=True)
     result: Array = np.conj(spectrum, out=spectrum)
     return result

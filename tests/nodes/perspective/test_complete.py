@@ -9,6 +9,7 @@ from graphtex_nodes.image.exemplars.pebbles import pebbles
 from graphtex_nodes.image.maps import stack_maps
 from graphtex_nodes.image.normals import normals_from_height
 from graphtex_nodes.numerics.continuation import continued, fitted_plane
+from graphtex_nodes.numerics.move_search import NARROW, Level, anchors, laid_flat
 from graphtex_nodes.numerics.plane_moves import Slope
 from graphtex_nodes.perspective.complete import complete
 from tests.nodes.perspective.holes import KINDS, hole_of
@@ -74,6 +75,33 @@ def test_seam_does_not_show():
     down = np.abs(np.diff(image, axis=0)).mean(axis=2)
     border = HOLE[1:] != HOLE[:-1]
     assert down[border].mean() < 1.2 * down[~HOLE[1:] & ~border].mean()
+
+
+def test_outlines_go_on_over_the_border_of_a_hole():
+    """Steps there are twice those of the original, where pebbles are cut; without narrow discs it was 2.6 times."""
+    rows, columns = np.mgrid[:192, :192]
+    hole = np.hypot((columns - 100) / 40, (rows - 95) / 34) < 1
+    steps = []
+    for seed in range(4):
+        photo = np.array(pebbles(width=192, height=192, size=12.0, rng=seed).image)
+        for picture in (complete(photo, hole, ctx=QUIET).image, photo):
+            along = [np.abs(np.diff(picture, axis=axis)).mean(axis=2) for axis in (0, 1)]
+            steps.append(sum(each[np.diff(hole, axis=axis)].mean() for axis, each in enumerate(along)))
+    assert np.mean(np.divide(steps[::2], steps[1::2])) < 2.3
+
+
+def test_anchors_are_wide_and_narrow_discs():
+    """Around a hole of radius 20: the whole border, then discs as wide as it, then narrow ones; a small one has one."""
+    rows, columns = np.mgrid[:90, :90]
+    for size, radii in ((20.5, {20, NARROW}), (9.5, {9})):
+        hole = np.hypot(rows - 45, columns - 45) < size
+        level = Level(np.zeros((90, 90, 1), np.float32), ~hole, hole)
+        (band, first), *discs = anchors(laid_flat(Slope(45.0, 45.0), level), 33)
+        assert first == 0
+        assert band[hole].all()
+        assert [radius for _, radius in discs] == sorted((radius for _, radius in discs), reverse=True)
+        assert {radius for _, radius in discs} == radii
+        assert all(np.pi * radius**2 * 0.9 < disc.sum() < np.pi * (radius + 1) ** 2 for disc, radius in discs)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -204,10 +232,10 @@ def test_material_maps_stay_aligned_and_normals_unit(method):
         assert abs(np.linalg.norm(plain[hole][:, 3:6] * 2 - 1, axis=1) - 1).max() > 0.02
 
 
-@pytest.mark.parametrize("method", ["pieces", "windows"])
-def test_heights_meet_and_scalars_stay_as_copied(method):
+@pytest.mark.parametrize(("method", "rows"), [("pieces", 96), ("windows", 10)])
+def test_heights_meet_and_scalars_stay_as_copied(method, rows):
     """A pattern on a rising ramp: copies have its pattern but are 28 columns too high or low."""
-    pattern = np.tile(np.random.default_rng(2).random((10, 28, 3)).astype(np.float32), (10, 6, 1))[:96, :150]
+    pattern = np.tile(np.random.default_rng(2).random((rows, 28, 3)).astype(np.float32), (10, 6, 1))[:96, :150]
     row, column = np.mgrid[:96, :150]
     ramp = (column / 60).astype(np.float32)[..., None]
     hole = np.hypot((row - 50) / 22, (column - 72) / 24) < 1
@@ -217,6 +245,7 @@ def test_heights_meet_and_scalars_stay_as_copied(method):
     rows, columns = (result.source[hole][:, k].astype(int) for k in (1, 2))
     copied = ramp[rows, columns, 0]
     off = np.abs(copied - ramp[hole][:, 0]).mean()
+    assert off > 0.005
     assert np.abs(result.image[hole][:, 4] - copied).mean() < (0 if method == "pieces" else 0.25 * off) + 1e-6
     assert np.abs(result.image[hole][:, 3] - ramp[hole][:, 0]).mean() < 0.15 * off
 
