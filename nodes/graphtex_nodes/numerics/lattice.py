@@ -33,6 +33,8 @@ BESIDE = 2
 """Cells on each side that are looked at for a place inside an exemplar."""
 RESOLVED = 4.25
 """Coarse pixels that a period must have: with less, pieces in step hardly fit better than others."""
+KEPT = 9.0
+"""Pixels of a period up to which sources that were found are put in step: with more they stay so by themselves."""
 SMOOTH = 0.25
 """Deviation of the Gaussian that smoothes a picture before, in coarse pixels."""
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from graphtex_nodes.numerics import evenness
 from graphtex_nodes.numerics.frames import Frame, replayed, transfer
-from graphtex_nodes.numerics.lattice import RESOLVED
+from graphtex_nodes.numerics.lattice import KEPT
 from graphtex_nodes.numerics.levels import Stage, border
 from graphtex_nodes.numerics.parallel import Alone, Work, aside
 from graphtex_nodes.numerics.preparation import (
@@ -85,7 +85,7 @@ def synthesise(
             draw = int(np.random.SeedSequence([seed, number, iteration]).generate_state(1, np.uint64)[0])
             weighted = aside(partial(level.weighted, settings.histogram), work)
             match, squared = _search(level, match, charges, settings, draw, (number, iteration), work)
-            if here is not None and here.period < RESOLVED:
+            if here is not None and here.period < KEPT:
                 match = replace(match, field=in_step(level, match.field, here.shifts))
             if iteration + 1 < stage.iterations:
                 charges = aside(partial(_charges, level, match, settings.evenness, (number, iteration + 1)), work)
