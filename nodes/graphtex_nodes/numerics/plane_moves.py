@@ -101,7 +101,7 @@ class Move:
 class Views:
     """A picture as it can be looked up between pixels.
 
-    ``colours`` (h, w, c) are its own, ``splines`` (c, h, w) their coefficients, ``usable`` (h, w) what may be copied.
+    ``colours`` (h, w, c) are its own, ``splines`` (h, w, c) their coefficients, ``usable`` (h, w) what may be copied.
     """
 
     colours: Array
@@ -120,18 +120,18 @@ class Views:
             spline_filter(channel, order=ORDER, output=np.float32, mode="mirror")
             for channel in np.moveaxis(colours, -1, 0)
         ]
-        return Views(colours, np.stack(splines), usable)
+        return Views(colours, np.stack(splines, axis=-1), usable)
 
     def moved(self, move: Move, rows: Array, columns: Array) -> tuple[Array, Array, Array]:
         """Colours (n, c), which of them are usable (n,), and how much they are enlarged (n,), at some pixels."""
-        from scipy.ndimage import map_coordinates
+        from graphtex_nodes.numerics.spline_kernels import look_up
 
         source_rows, source_columns, enlarged = move.sources(rows, columns)
         height, width = self.usable.shape
         inside = (
             (source_rows >= 0) & (source_columns >= 0) & (source_rows <= height - 1) & (source_columns <= width - 1)
         )
-        source_rows, source_columns = np.where(inside, source_rows, 0), np.where(inside, source_columns, 0)
+        source_rows, source_columns = np.where(inside, source_rows, 0.0), np.where(inside, source_columns, 0.0)
         if move.plain:
             at = source_rows.astype(np.intp), source_columns.astype(np.intp)
             return self.colours[at], inside & self.usable[at], enlarged
@@ -139,11 +139,9 @@ class Views:
         for corner_row in (np.floor(source_rows), np.ceil(source_rows)):
             for corner_column in (np.floor(source_columns), np.ceil(source_columns)):
                 usable &= self.usable[corner_row.astype(np.intp), corner_column.astype(np.intp)]
-        places = np.stack([source_rows, source_columns])
-        found = [
-            map_coordinates(channel, places, order=ORDER, mode="mirror", prefilter=False) for channel in self.splines
-        ]
-        return np.stack(found, axis=-1).astype(np.float32), usable, enlarged
+        colours = np.empty((source_rows.size, self.colours.shape[2]), np.float32)
+        look_up(self.splines, source_rows, source_columns, colours)
+        return colours, usable, enlarged
 
     def looked_up(self, moves: Sequence[Move], labels: Array, rows: Array, columns: Array) -> tuple[Array, Array]:
         """Colours (n, c) and whether usable (n,) of pixels that are taken by the moves of their labels (n,)."""

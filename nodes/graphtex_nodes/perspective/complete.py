@@ -13,7 +13,7 @@ Array = NDArray[Any]
 Box = tuple[slice, slice]
 
 LEAST_REACH = 64  # pixels around a small hole
-PIECES = ("join_kernels",)
+PIECES = ("spline_kernels", "join_kernels")
 BLOCK = 16  # pixels; parts of a hole that are four or more such blocks apart are filled each on its own
 
 

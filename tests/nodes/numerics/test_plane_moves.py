@@ -1,8 +1,11 @@
 import numpy as np
+import pytest
+from scipy.ndimage import map_coordinates
 
 from graphtex import Context
 from graphtex_nodes.numerics.move_search import Level, anchors, fits, laid_flat
-from graphtex_nodes.numerics.plane_moves import Move, Slope, Views
+from graphtex_nodes.numerics.plane_moves import ORDER, Move, Slope, Views
+from graphtex_nodes.numerics.spline_kernels import look_up
 
 PLACES = np.array([3.0, 8.0, 15.0]), np.array([2.0, 9.0, 4.0])
 TILTED = Slope(10.0, 7.0, 0.05, -0.02)
@@ -73,6 +76,19 @@ def test_shift_of_a_periodic_picture_is_found():
     for fit in found:
         assert fit.move.down % 12 == fit.move.right % 15 == 0
         assert fit.cost < 1e-6
+
+
+@pytest.mark.parametrize("shape", [(20, 30, 3), (1, 7, 2), (3, 2, 1)])
+def test_splines_between_pixels_are_scipys(shape):
+    """Second method, at the corners and over the borders of small pictures too."""
+    rng = np.random.default_rng(5)
+    splines = rng.normal(size=shape).astype(np.float32)
+    rows, columns = (rng.integers(0, 4 * side - 3, 200) / 4 for side in shape[:2])
+    colours = np.empty((200, shape[2]), np.float32)
+    look_up(splines, rows, columns, colours)
+    for channel, found in zip(np.moveaxis(splines, -1, 0), colours.T, strict=True):
+        expected = map_coordinates(channel, [rows, columns], order=ORDER, mode="mirror", prefilter=False)
+        np.testing.assert_allclose(found, expected, atol=1e-6)
 
 
 def test_fine_contrast_survives_between_pixels():
