@@ -149,14 +149,11 @@ class Result:
         Row and column of the exemplar for each pixel, int32 (h, w, 2); negative for known pixels.
     energies
         Mean over windows of (mean squared difference of a pixel) ** (r / 2) at each search, from coarse to fine.
-    grain
-        1 where the exemplar is grain, and 0 where it has elements with outlines.
     """
 
     image: Array
     source: Field
     energies: tuple[float, ...]
-    grain: float
 
 
 @dataclass(frozen=True)

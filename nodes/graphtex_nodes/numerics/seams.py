@@ -22,9 +22,6 @@ PULL, JOIN, BUSY = (0.15, 0.015), (0.03, 0.1), 0.3
 second is for guided synthesis of elements with outlines: where scales change, the wanted image is a mean of elements
 that do not fit each other, while grain and ripples have a mean that does."""
 GUIDE_PULL = 1.0
-SHARP = 2.0
-"""How much sharper seams between pieces that differ by the exemplar's variance are where elements have outlines: what
-is cut then looks cut, while faded it would be a ghost. Grain hides what is faded, and shows cuts."""
 PASSES = 10
 
 
@@ -87,10 +84,7 @@ def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[
     if not steps.fade:
         return _with_known(problem, problem.exemplar[source[..., 0], source[..., 1]]), source
     bent = steps.level or problem.known is not None
-    sharpness = SHARP * (1 - result.grain) / variance
-    image, own = fade_seams(
-        exemplar, usable, around(source), channels=colours, work=work, differences=bent, sharpness=sharpness
-    )
+    image, own = fade_seams(exemplar, usable, around(source), channels=colours, work=work, differences=bent)
     image = _with_known(problem, np.ascontiguousarray(image[inside]))
     if bent:
         own = np.ascontiguousarray(own[:, inside[0], inside[1]])
@@ -171,18 +165,10 @@ def seam_pixels(source: Field, work: Work) -> NDArray[np.uint8]:
 
 
 def fade_seams(
-    exemplar: Array,
-    usable: NDArray[np.uint8],
-    source: Field,
-    *,
-    channels: int,
-    work: Work,
-    differences: bool = True,
-    sharpness: float = 0.0,
+    exemplar: Array, usable: NDArray[np.uint8], source: Field, *, channels: int, work: Work, differences: bool = True
 ) -> tuple[Array, Array]:
     """Image (h, w, channels) of a source map in which pieces fade into each other over about :data:`RADIUS` pixels.
 
-    The less the more they differ: a squared difference of 1 / ``sharpness`` takes 1/e of the weight.
     Pixels farther than that from a seam are the exemplar's own. Known pixels (negative source) are 0. The second array
     (2, h, w, channels) are the pieces' own differences to the pixels below and to the right, faded in the same way; it
     is empty if no ``differences`` are wanted.
@@ -194,10 +180,10 @@ def fade_seams(
     image = np.empty((*source.shape[:2], channels), np.float32)
     steps = np.empty((2 * differences, *image.shape), np.float32)
     lines, step_lines = image.reshape(len(image), -1), steps.reshape(len(steps), len(image), image.shape[1] * channels)
-    seams, sharp = seam_pixels(source, work), np.float32(sharpness)
+    seams = seam_pixels(source, work)
 
     def band(first: int, stop: int) -> None:
-        seam_kernels.fade_seams(colours, usable, source, seams, falloff, sharp, lines, step_lines, first, stop)
+        seam_kernels.fade_seams(colours, usable, source, seams, falloff, lines, step_lines, first, stop)
 
     for_rows(band, source.shape[0], source.shape[1] * falloff.size * (3 + channels) / 5, work)
     return image, steps

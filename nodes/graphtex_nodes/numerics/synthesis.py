@@ -100,7 +100,7 @@ def synthesise(
         windows.rim,
     )  # fmt: skip
     source = replayed(frame.crop(source), 1 << at, problem.size, problem.exemplar.shape)
-    return Result(frame.crop(level.canvas), source, tuple(energies), images[0].grain)
+    return Result(frame.crop(level.canvas), source, tuple(energies))
 
 
 def _frame(problem: Problem, plan: Sequence[Stage], stage: Stage) -> Frame:

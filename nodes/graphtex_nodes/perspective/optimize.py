@@ -136,8 +136,7 @@ def optimize(
     vote
         What becomes of the last search. ``blend`` takes for each pixel the source that most windows agree on, lets
         large pieces take over the scraps between them along minimum cuts, and pieces fade into each other over five
-        pixels (where elements have outlines the less the more they differ) and their colours over about sixteen (not
-        where outlines are torn; heights always, other maps never).
+        pixels and their colours over about sixteen (not where outlines are torn; heights always, other maps never).
         ``discrete`` leaves the fading out: the source map replays exactly. ``mean`` is the paper's weighted mean.
     levels, windows
         By themselves: as many levels as leave 16 pixels of the exemplar's smaller side, less where a period would no

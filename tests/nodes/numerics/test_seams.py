@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 
 from graphtex import Context
 from graphtex_nodes.numerics.recut import Costs
@@ -69,18 +68,6 @@ def test_fading_mixes_near_the_seam_only():
     share = ((image[:, 9] - left) * (right - left)).sum() / ((right - left) ** 2).sum()
     np.testing.assert_allclose(image[:, 9], left + share * (right - left), atol=1e-5)
     assert 0.2 < share < 0.5
-
-
-def test_pieces_that_differ_meet_sharply():
-    """A difference of 1 leaves exp(-8) of the other piece's weight, one of 0.1 nearly all."""
-    exemplar = np.zeros((12, 60, 1), np.float32)
-    exemplar[:6, 30:], exemplar[6:, 30:] = 1, 0.1
-    image, _ = fade_seams(exemplar, USABLE, two_pieces(10), channels=1, work=Context(), sharpness=8)
-    smooth, _ = fade_seams(exemplar, USABLE, two_pieces(10), channels=1, work=Context())
-    share = float(smooth[3, 9, 0])
-    assert image[3, 9, 0] == pytest.approx(share * np.exp(-8) / (1 - share + share * np.exp(-8)), rel=1e-4)
-    assert image[3, 10, 0] > 0.999
-    assert image[9, 9, 0] == pytest.approx(0.1 * share / (share + (1 - share) * np.exp(0.08)), rel=1e-4)
 
 
 def test_fading_leaves_out_what_cannot_be_continued():
