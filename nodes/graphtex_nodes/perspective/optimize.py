@@ -262,7 +262,7 @@ def optimize(
     plan = plans.eased(plans.plan(leader, problem.usable, levels, windows, iterations), effort.fine, effort.coarse)
     room = plan[-1].window
     if room <= SCANT and (not windows or min(windows) > room):
-        part = f"shape {leader.shape}" if problem.usable is None else "its usable part"
+        part = f"shape {leader.shape}" if usable is None and more_usable is None else "its usable part"
         ctx.warn(f"exemplar: {part} has room for windows of {room} x {room} pixels only: too little to see elements in")
     settings = Settings(
         exponent,

@@ -156,7 +156,11 @@ def test_arrows_tell_up_from_down(ripples):
 def test_small_exemplars_turn(shape):
     exemplar = np.random.default_rng(1).random(shape).astype(np.float32)
     field = flow_pattern(pattern="radial", width=20, height=17)
-    result = optimize(exemplar, target_angle=field, tileable="both", iterations=1, ctx=Context(threads=1))
+    told = []
+    ctx = Context(threads=1, on_warning=told.append)
+    result = optimize(exemplar, target_angle=field, tileable="both", iterations=1, ctx=ctx)
+    assert len(told) == 1
+    assert "has room for windows of" in told[0]
     assert result.image.shape == (17, 20, shape[2])
     assert exemplar.min() - 1e-5 <= result.image.min() <= result.image.max() <= exemplar.max() + 1e-5
 
