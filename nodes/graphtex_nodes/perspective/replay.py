@@ -19,6 +19,7 @@ Flags = NDArray[np.bool_]
 
 BAND = 1 << 18  # pixels at a time
 LARGER = 1.7  # maps by more than that, compared to the places that a source map names, are doubted
+PIECE = 32  # pixels a side up to which a source map may show one piece alone, which tells nothing of its exemplar
 
 
 @node
@@ -157,6 +158,8 @@ def _require_maps(source: Array, maps: list[Array], factor: float) -> None:
 
 def _doubt_factor(source: Array, maps: list[Array], factor: float, warn: Callable[[str], None]) -> None:
     """Warn of maps so much larger than the exemplar that but a corner is shown: others, or by a factor not told."""
+    if min(source.shape[:2]) <= PIECE:
+        return
     for number, picture in enumerate(maps):
         own = source[source[..., 0] == number]
         if len(own):
