@@ -190,15 +190,16 @@ def border(plan: Sequence[Stage], level: int) -> int:
     return 0 if level == 0 else max(stage.window for stage in plan if stage.level == level)
 
 
-def rim(window: int, usable: NDArray[np.bool_] | None) -> int:
+def rim(window: int, usable: NDArray[np.bool_] | None, grain: float) -> int:
     """Pixels by which the exemplar's windows reach over its border, where it is mirrored.
 
     A quarter of their side: windows inside alone would hardly show what is at the border, since it lies at the border
     of the few that hold it, and on coarse levels an eighth of the exemplar on each side was shown half as often as its
     middle. Pixels of the rim are never copied. With a wider one elements that the border cuts look whole, and come out
-    halved. Where only parts of an exemplar are ``usable``, its windows hold nothing else.
+    halved. ``grain``, 1 where there are no such elements, takes half as much again. Where only parts of an exemplar are
+    ``usable``, its windows hold nothing else.
     """
-    return window // 4 if usable is None else 0
+    return int(window * (2 + grain) / 8) if usable is None else 0
 
 
 def _count(usable: NDArray[np.bool_], window: int) -> int:

@@ -110,7 +110,7 @@ def exemplar_windows(
 
     They are without coordinates where no iteration looks for any, as what was found before is copied.
     """
-    window, width = stage.window, rim(stage.window, given.usable)
+    window, width = stage.window, rim(stage.window, given.usable, given.grain)
     exemplar = np.pad(given.exemplar, ((width,) * 2, (width,) * 2, (0, 0)), "symmetric") if width else given.exemplar
     colours, channels = problem.exemplar.shape[2], exemplar.shape[2]
     counted = slice(None) if given.usable is None else given.usable

@@ -123,7 +123,8 @@ def test_small_elements_are_grain_whatever_their_outlines(side, share):
     assert grain(picture) == pytest.approx(share, abs=0.1)
 
 
-def test_rims_are_a_quarter_of_a_window():
-    """None where parts may not be used, nor at one pixel."""
-    assert [rim(window, None) for window in (16, 8, 6, 1)] == [4, 2, 1, 0]
-    assert rim(8, np.ones((20, 20), bool)) == 0
+def test_rims_are_wider_in_grain():
+    """A quarter of a window's side, three eighths in grain; none where parts may not be used, nor at one pixel."""
+    assert [rim(window, None, 0.0) for window in (16, 8, 6, 1)] == [4, 2, 1, 0]
+    assert [rim(window, None, 1.0) for window in (16, 8, 6, 1)] == [6, 3, 2, 0]
+    assert rim(8, np.ones((20, 20), bool), 1.0) == 0
