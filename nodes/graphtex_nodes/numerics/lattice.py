@@ -189,12 +189,12 @@ def in_step(
     """
     low, high = (np.asarray(limit) for limit in limits)
     places = np.clip(places, low, high)
-    phase = corners @ np.linalg.inv(there)
-    multiples = np.rint(places @ np.linalg.inv(own) - phase)
+    phase = _times(corners, np.linalg.inv(there))
+    multiples = np.rint(_times(places, np.linalg.inv(own)) - phase)
     best = np.zeros(places.shape)
     least = np.full(places.shape[:-1], np.inf)
     for more in np.ndindex(2 * BESIDE + 1, 2 * BESIDE + 1):
-        found = (phase + multiples + np.array(more) - BESIDE) @ own
+        found = _times(phase + multiples + np.array(more) - BESIDE, own)
         beyond = np.maximum(0, low - found) + np.maximum(0, found - high)
         between = np.abs(found - np.rint(found))
         cost = (np.abs(found - places) + (high - low).max() * (beyond + WHOLE * between)).sum(axis=-1)
@@ -202,3 +202,9 @@ def in_step(
         least[nearer] = cost[nearer]
         best[nearer] = found[nearer]
     return np.clip(np.rint(best), low, high).astype(np.int32)
+
+
+def _times(points: NDArray[Any], matrix: NDArray[Any]) -> Array:
+    """Points (..., 2) times a matrix (2, 2), without BLAS, whose bits may change with the number of threads."""
+    result: Array = np.einsum("...i,ij->...j", points, matrix)
+    return result
