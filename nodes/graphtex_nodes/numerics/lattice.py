@@ -155,7 +155,7 @@ def _period(profile: Array) -> tuple[float, float]:
     return 0.0, 0.0
 
 
-def around(basis: Array, periods: tuple[float, float]) -> Array:
+def stretched(basis: Array, periods: tuple[float, float]) -> Array:
     """The shifts (2, 2) stretched so that whole multiples of them lead along each axis to its period (0 = it has none).
 
     They stay as they are where that would change one of them by more than :data:`FAR` of its length.
@@ -168,9 +168,9 @@ def around(basis: Array, periods: tuple[float, float]) -> Array:
     for axis, period in enumerate(periods):
         if period:
             ends[axis] = period * np.eye(2)[axis]
-    stretched: Array = np.linalg.solve(multiples, ends)
-    change = np.hypot(*(stretched - basis).T) / np.hypot(*basis.T)
-    return stretched if (change <= FAR).all() else basis
+    fitting: Array = np.linalg.solve(multiples, ends)
+    change = np.hypot(*(fitting - basis).T) / np.hypot(*basis.T)
+    return fitting if (change <= FAR).all() else basis
 
 
 def in_step(

@@ -204,7 +204,8 @@ def in_step(level: Level, field: Field, shifts: NDArray[np.float64]) -> Field:
     )
     corners = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1)
     limits = np.full(2, -rim), np.array(level.windows.share.shape) - 1 - rim
-    found = lattice.in_step(field - rim, corners, limits, shifts, lattice.around(shifts, frame.periods)) + np.int32(rim)
+    there = lattice.stretched(shifts, frame.periods)
+    found = lattice.in_step(field - rim, corners, limits, shifts, there) + np.int32(rim)
     frame.wrap_windows(found)
     return found
 

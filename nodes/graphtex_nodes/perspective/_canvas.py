@@ -42,10 +42,7 @@ class Canvas:
 
     def level(self, part: Array, box: Box) -> Level:
         """A box of the picture with the mean colour in place of what is not known."""
-        hidden = self.hole[box]
-        colours = self.image[box]
-        seen = np.where(hidden[..., None], colours[~hidden].mean(axis=0, dtype=np.float64), colours).astype(np.float32)
-        return Level(seen, self.usable[box], part[box])
+        return Level(hole_scale.hidden(self.image[box], self.hole[box]), self.usable[box], part[box])
 
     def continue_scale(self, box: Box, harmonic: bool, work: Work) -> None:
         """Scales in the part of the hole within a box from those around."""

@@ -67,11 +67,17 @@ def slope_of(scale: Array, hole: Array) -> Slope:
     return Slope(row, column, down / here, right / here)
 
 
+def hidden(photo: Array, hole: Array) -> Array:
+    """A photo (h, w, c) with the mean colour of the rest in place of its hole."""
+    # in double precision: the last bits of a single one would pass for texture
+    return np.where(hole[..., None], photo[~hole].mean(axis=0, dtype=np.float64), photo).astype(np.float32)
+
+
 def _densities(photo: Array, hole: Array) -> tuple[Array, Array]:
     """Scale by the density of features outside the hole (equation 1, bounded), and where enough is seen to tell."""
     from scipy.ndimage import binary_dilation
 
-    filled = np.where(hole[..., None], photo[~hole].mean(axis=0, dtype=np.float64), photo).astype(np.float32)
+    filled = hidden(photo, hole)
     told: list[str] = []
     features = feature_mask(filled, ctx=Context(threads=1, on_warning=told.append))
     clear = ~binary_dilation(hole, iterations=EDGE)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from graphtex_nodes import bricks, optimize, pebbles, sample, woven_cloth
-from graphtex_nodes.numerics.lattice import FAR, around, in_step, repeats
+from graphtex_nodes.numerics.lattice import FAR, in_step, repeats, stretched
 from graphtex_nodes.numerics.levels import automatic_levels, coarse_repeats
 from graphtex_nodes.numerics.pyramid import pyramid
 
@@ -99,7 +99,7 @@ def test_a_level_less_for_cells():
 @pytest.mark.parametrize("periods", [(64, 0), (0, 50), (64, 50), (0, 0)])
 def test_around(periods):
     """Whole multiples lead to the period of each axis, and shifts hardly change."""
-    found = around(HEXAGONS / 2, periods)
+    found = stretched(HEXAGONS / 2, periods)
     for axis, period in enumerate(periods):
         if period:
             multiples = period * np.eye(2)[axis] @ np.linalg.inv(found)
@@ -111,8 +111,8 @@ def test_around(periods):
 def test_around_keeps_shifts_that_do_not_fit():
     """Between 1 and 2 shifts of 10 there is none of about 10."""
     shifts = np.diag([10.0, 10.0])
-    assert (around(shifts, (15, 0)) == shifts).all()
-    assert (around(shifts, (2, 2)) == shifts).all()
+    assert (stretched(shifts, (15, 0)) == shifts).all()
+    assert (stretched(shifts, (2, 2)) == shifts).all()
 
 
 def test_in_step():
