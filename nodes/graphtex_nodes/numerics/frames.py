@@ -72,6 +72,14 @@ class Frame:
         (top, left), (height, width) = self.margins, self.size
         return np.ascontiguousarray(values[top : top + height, left : left + width])
 
+    def shown(self) -> tuple[slice, slice]:
+        """Rows and columns of the windows whose centres lie on the output."""
+        rows, columns = (
+            [max(0, -((self.grid.window - 2 * end) // (2 * self.grid.step))) for end in (margin, margin + side)]
+            for margin, side in zip(self.margins, self.size, strict=True)
+        )
+        return slice(*rows), slice(*columns)
+
     def wrap_canvas(self, canvas: NDArray[Any]) -> None:
         """Make margins of a canvas repeat the other side."""
         self._wrap(canvas, self.margins, self.periods)
@@ -92,11 +100,18 @@ class Frame:
 
 def whole_windows(mask: NDArray[np.bool_], window: int, step: int = 1) -> NDArray[np.bool_]:
     """Which windows, at multiples of ``step``, hold True pixels of a mask (h, w) only."""
+    whole: NDArray[np.bool_] = window_counts(mask, window)[::step, ::step] == window * window
+    return whole
+
+
+def window_counts(mask: NDArray[np.bool_], window: int) -> NDArray[np.int64]:
+    """How many True pixels of a mask (h, w) each window holds."""
     total = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), np.int64)
     np.cumsum(np.cumsum(mask, axis=0), axis=1, out=total[1:, 1:])
-    count = total[window:, window:] - total[:-window, window:] - total[window:, :-window] + total[:-window, :-window]
-    whole: NDArray[np.bool_] = count[::step, ::step] == window * window
-    return whole
+    counts: NDArray[np.int64] = (
+        total[window:, window:] - total[:-window, window:] - total[window:, :-window] + total[:-window, :-window]
+    )
+    return counts
 
 
 def nearest_places(allowed: NDArray[np.bool_]) -> NDArray[np.int32]:

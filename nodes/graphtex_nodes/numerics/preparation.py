@@ -174,8 +174,7 @@ def repeated(problem: Problem, images: Sequence[Given]) -> Repeats | None:
 
     None where it does not, and where something else rules what is where, or parts of it must not be shown.
     """
-    given = (problem.usable, problem.known, problem.start, problem.target)
-    if any(each is not None for each in given):
+    if problem.usable is not None or not problem.free:
         return None
     return coarse_repeats([level.exemplar[..., : problem.exemplar.shape[2]] for level in images])
 

@@ -128,6 +128,11 @@ class Problem:
         return self.usable is None and self.known is None and not any(self.wrap)
 
     @property
+    def free(self) -> bool:
+        """Whether nothing but the exemplar rules what is where."""
+        return self.target is None and self.start is None and self.known is None
+
+    @property
     def bounded(self) -> bool:
         """Whether all pixels along the output's border are known."""
         known = self.known

@@ -8,6 +8,7 @@ from itertools import takewhile
 import numpy as np
 
 from graphtex_nodes.numerics import evenness
+from graphtex_nodes.numerics.completeness import completed
 from graphtex_nodes.numerics.frames import Frame, replayed, transfer
 from graphtex_nodes.numerics.lattice import KEPT
 from graphtex_nodes.numerics.levels import Stage, border
@@ -58,6 +59,7 @@ def synthesise(
         plan = [*plan[:1], *takewhile(lambda stage: stage.iterations, plan[1:])]
     images = pyramids(problem, levels)
     regular = repeated(problem, images)
+    lacking = problem.free and settings.evenness > 0 and regular is None
     seed = int(rng.integers(2**63))
     total = sum(stage.iterations * 4.0**-stage.level for stage in plan)
     done = 0.0
@@ -94,7 +96,11 @@ def synthesise(
             energies.append(energy())
             done += 4.0**-at / total
             work.progress(min(1.0, done), f"level {levels - at} of {levels}")
-        before = match.field, frame, at, windows.rim
+        field, finer = match.field, number + 1 < len(plan) and plan[number + 1].level < at
+        # what levels with prices lack changes much on the next ones; the finest has none to join what is put in
+        if lacking and finer and stage.iterations and windows.market is None:
+            field = _completed(level, field, work)
+        before = field, frame, at, windows.rim
     source = vote_source(
         match.field, match.weights, windows.exemplar, level.falloff, frame.grid.step, level.canvas, work, level.known,
         windows.rim,
@@ -206,6 +212,17 @@ def _standing(level: Level, windows: Array, crowd: tuple[Array, int] | None, sha
     if market is not None:
         own[may] = prices(windows.reshape(-1, windows.shape[2]), market, share, work)
     return Charge(own) if crowd is None else Charge(own, *crowd)
+
+
+def _completed(level: Level, field: Field, work: Work) -> Field:
+    """Sources of a level's windows that show most of the exemplar."""
+    windows, frame = level.windows, level.frame
+    found = completed(
+        field, windows.basis.project(level.canvas, frame.grid.step, work), windows.features,
+        step=frame.grid.step, inside=frame.shown(), allowed=windows.allowed, homes=windows.homes,
+    )  # fmt: skip
+    frame.wrap_windows(found)
+    return found
 
 
 def _vote(level: Level, match: _Match, weighted: Array, work: Work) -> None:

@@ -195,10 +195,10 @@ def optimize(
     prices of optimal transport (Gutierrez et al. 2017), so that all parts keep their share of the area; windows of a
     plain synthesis pay there for copies of what they show up to half an exemplar away, so that repeats keep apart;
     windows reach over the exemplar's border by a quarter of their side or more, where it is mirrored, so that what lies
-    there is shown too (nothing mirrored is copied); pieces of exemplars that repeat themselves, such as paving,
-    walls and checked cloth, begin in step with each other (and are kept so on coarse levels), where nothing else
-    rules what is where: lattices then have no faults; long copies are charged in exemplars without outlines; five
-    levels for 256 pixels instead of three; the final image is not the mean, which smudges seams.
+    there is shown too (nothing mirrored is copied); where nothing else rules what is where, pieces of exemplars that
+    repeat themselves, such as paving, walls and cloth, begin in step with each other, so that lattices have no faults,
+    and parts of others that get lost are put in (``numerics/completeness.py``); long copies are charged in exemplars
+    without outlines; five levels for 256 pixels instead of three; the final image is not the mean: it smudges seams.
 
     The result depends on the inputs, the parameters and the seed only, not on the number of threads.
 

@@ -78,3 +78,13 @@ def test_replay_of_a_copy_is_a_copy():
     places = np.stack(np.mgrid[:7, :9], axis=-1).astype(np.int32)
     coarse = np.stack(np.mgrid[:2, :3], axis=-1).astype(np.int32)
     np.testing.assert_array_equal(replayed(coarse, 4, (7, 9), (7, 9, 3)), places)
+
+
+@pytest.mark.parametrize("wrap", [False, True])
+@pytest.mark.parametrize(("size", "window"), [((13, 10), 8), ((40, 41), 6), ((1, 1), 8)])
+def test_windows_whose_centres_lie_on_the_output_are_shown(size, window, wrap):
+    frame = Frame.of(size, 1, window, window, (wrap, False))
+    for axis, (part, count) in enumerate(zip(frame.shown(), (frame.grid.rows, frame.grid.columns), strict=True)):
+        centres = np.arange(count) * frame.grid.step + window / 2 - frame.margins[axis]
+        expected = (centres >= 0) & (centres < frame.size[axis])
+        np.testing.assert_array_equal(np.arange(count)[part], np.flatnonzero(expected))
