@@ -11,8 +11,6 @@ Array = NDArray[np.float32]
 
 SCREEN = 1e-3
 """Pull towards the copied colours: a correction fades to 1/e over about 1 / sqrt(SCREEN) = 32 pixels."""
-MUTUAL_SCREEN = 1 / 256
-"""The same where pieces meet no known pixels, but each other: 16 pixels."""
 TOLERANCE = 1e-4
 """Residual at which the solver stops, relative to that of no correction."""
 MOST = 600
@@ -55,7 +53,7 @@ def missing(
 
 
 def level(
-    image: Array, lack: Array, limits: tuple[Array, Array], wrap: tuple[bool, bool], work: Work, factor: float = 1.0
+    image: Array, lack: Array, limits: tuple[Array, Array], reach: float, wrap: tuple[bool, bool], work: Work
 ) -> None:
     r"""Take from an image (h, w, c) of faded pieces the steps of brightness and colour between them.
 
@@ -63,7 +61,7 @@ def level(
 
     .. math:: \sum_{pq} (d_q - d_p - m_{pq})^2 + \epsilon \sum_p d_p^2,
 
-    Poisson blending, held near the copied colours by epsilon, :data:`MUTUAL_SCREEN`, and solved by cosine transforms
+    Poisson blending, held near the copied colours by epsilon = 1 / ``reach``^2, and solved by cosine transforms
     (Fourier transforms along sides where the image wraps around).
 
     Parameters
@@ -72,8 +70,8 @@ def level(
         As :func:`missing` tells; it is overwritten.
     limits
         Least and largest values (c,) that the image may have.
-    factor
-        Pixels of this image that make one of the synthesis.
+    reach
+        Pixels over which a correction fades to 1/e.
     """
     from graphtex_nodes.numerics import membrane_kernels
 
@@ -84,7 +82,7 @@ def level(
 
     def solved(first: int, stop: int) -> None:
         for channel in range(first, stop):
-            lack[channel] = screened(lack[channel], MUTUAL_SCREEN / factor**2, wrap)
+            lack[channel] = screened(lack[channel], 1 / reach**2, wrap)
 
     def corrected(first: int, stop: int) -> None:
         membrane_kernels.correct(lines, lack, *limits, first, stop)

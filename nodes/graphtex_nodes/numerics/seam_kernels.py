@@ -133,15 +133,17 @@ def add_flags(flags, line):
 
 
 @kernel(
-    "const f4[:,:], const u1[:,:], const i4[:,:,:], const u1[:,:], const f4[:,:], f4[:,:], f4[:,:,:], i8, i8",
+    "const f4[:,:], const u1[:,:], const i4[:,:,:], const u1[:,:], const f4[:,:], f4, f4[:,:], f4[:,:,:], i8, i8",
     fastmath={"contract"},
 )
-def fade_seams(exemplar, usable, source, seams, falloff, image, steps, first, stop):
+def fade_seams(exemplar, usable, source, seams, falloff, sharpness, image, steps, first, stop):
     """Mix the pieces that meet near a pixel, each continued up to it; inside a piece the exemplar's pixels are copied.
 
     ``exemplar`` and ``image`` have the channels of each pixel side by side in their rows, ``falloff`` are
     the weights of the pixels around, up to :data:`RADIUS` away, ``seams`` (h, w) the pixels beside a seam.
-    Unlike a blur, this keeps the detail of each piece. Pieces that cannot be continued up to the pixel are left out.
+    Unlike a blur, this keeps the detail of each piece. Pieces that cannot be continued up to the pixel are left out,
+    and weights of what differs from its own piece are multiplied by (1 - ``sharpness`` * squared difference)^2, down to
+    nothing.
     Known pixels, whose source is negative, become 0.
     ``steps`` (2, h, w * channels) become the same means of the pieces' own differences to the pixel below and to the
     right, 0 where no piece goes on; (0, h, w * channels) if they are not wanted.
@@ -238,6 +240,15 @@ def fade_seams(exemplar, usable, source, seams, falloff, image, steps, first, st
                 ex = x + np.int64(np.int32(pieces[index] & 0xFFFFFFFF))
                 if not copied(usable, ey, ex):
                     continue
+                if index > 0 and sharpness > 0:
+                    apart = np.float32(0)
+                    for c in range(channels):
+                        difference = exemplar[ey, ex * channels + c] - exemplar[row, column * channels + c]
+                        apart += difference * difference
+                    share = np.float32(1) - sharpness * apart
+                    if share <= 0:
+                        continue
+                    support[index] *= share * share
                 used += 1
                 totals[2] += support[index]
                 for c in range(channels):

@@ -16,9 +16,42 @@ RADIUS = 2
 REACH = range(-RADIUS, RADIUS + 1)
 OFFSETS = np.array(sorted(((y, x) for y in REACH for x in REACH), key=lambda place: abs(place[0]) + abs(place[1])))
 """Rows and columns (n, 2) from a pixel to those whose pieces fade into it, its own place first."""
+BENT = (16.0, 8.0)
+"""Pixels over which colours are bent to meet, in grain and in elements with outlines: on plain ground beside them light
+that comes from far shows."""
 VIEW = [INDEX, LOG, ANGLE, MIRRORED]
 SAME = 0.01
 """Pixels of an exemplar within which two continuations of a piece agree: rounding makes them differ."""
+
+
+@dataclass(frozen=True)
+class Contrast:
+    """What of exemplars decides how their pieces meet, in a synthesis and in its replay alike.
+
+    Attributes
+    ----------
+    variance
+        Sum of the variances of the channels.
+    outlines
+        0 for grain, 1 for elements with outlines, see :func:`structure.outlines`.
+    """
+
+    variance: float
+    outlines: float
+
+    @property
+    def sharpness(self) -> float:
+        """One over the squared difference from which on pieces do not fade into each other.
+
+        In elements with outlines it is that of any two pixels in the mean: such pieces are better cut, while faded they
+        would leave ghosts. Grain hides what is faded, and shows cuts.
+        """
+        return self.outlines / (2 * max(self.variance, float(np.finfo(np.float32).tiny)))
+
+    @property
+    def reach(self) -> float:
+        """Pixels of a synthesis over which colours are bent to meet."""
+        return float(BENT[0] ** (1 - self.outlines) * BENT[1] ** self.outlines)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from graphtex_nodes.numerics.parallel import Work, for_rows
 from graphtex_nodes.numerics.problem import Problem, Result
 from graphtex_nodes.numerics.recut import Costs, recut
 from graphtex_nodes.numerics.seam_kernels import RADIUS
-from graphtex_nodes.numerics.structure import outlined
+from graphtex_nodes.numerics.seam_neighbours import Contrast
+from graphtex_nodes.numerics.structure import outlined, outlines
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
@@ -84,11 +85,14 @@ def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[
     if not steps.fade:
         return _with_known(problem, problem.exemplar[source[..., 0], source[..., 1]]), source
     bent = steps.level or problem.known is not None
-    image, own = fade_seams(exemplar, usable, around(source), channels=colours, work=work, differences=bent)
+    contrast = Contrast(variance, outlines([problem.exemplar], problem.usable))
+    image, own = fade_seams(
+        exemplar, usable, around(source), channels=colours, work=work, differences=bent, sharpness=contrast.sharpness
+    )
     image = _with_known(problem, np.ascontiguousarray(image[inside]))
     if bent:
         own = np.ascontiguousarray(own[:, inside[0], inside[1]])
-        image = _bent(problem, image, own, source, variance, steps.bends, work)
+        image = _bent(problem, image, own, source, contrast, steps.bends, work)
     return image, source
 
 
@@ -100,8 +104,8 @@ def _with_known(problem: Problem, image: Array) -> Array:
 
 
 def _bent(
-    problem: Problem, image: Array, own: Array, source: Field, variance: float, bends: NDArray[np.uint8] | None,
-    work: Work,
+    problem: Problem, image: Array, own: Array, source: Field, contrast: Contrast,
+    bends: NDArray[np.uint8] | None, work: Work,
 ) -> Array:  # fmt: skip
     """The image (h, w, c) of faded pieces, bent to meet each other and what is known.
 
@@ -113,13 +117,13 @@ def _bent(
             beside = known | np.roll(known, -1, axis)
             steps[beside] = (np.roll(image, -1, axis) - image)[beside]
     bends = bending([], image.shape[2]) if bends is None else bends
-    lack = membrane.missing(image, own, variance, bends, problem.wrap, work)
+    lack = membrane.missing(image, own, contrast.variance, bends, problem.wrap, work)
     if known is not None:
         return membrane.join_known(image, lack, source, problem.exemplar, problem.may, bends, problem.wrap, work)
     may = problem.may
     seen = [values[may] for values in np.moveaxis(problem.exemplar, -1, 0)]
     limits = np.array([each.min() for each in seen]), np.array([each.max() for each in seen])
-    membrane.level(image, lack, limits, problem.wrap, work)
+    membrane.level(image, lack, limits, contrast.reach, problem.wrap, work)
     return image
 
 
@@ -165,13 +169,21 @@ def seam_pixels(source: Field, work: Work) -> NDArray[np.uint8]:
 
 
 def fade_seams(
-    exemplar: Array, usable: NDArray[np.uint8], source: Field, *, channels: int, work: Work, differences: bool = True
+    exemplar: Array,
+    usable: NDArray[np.uint8],
+    source: Field,
+    *,
+    channels: int,
+    work: Work,
+    differences: bool = True,
+    sharpness: float = 0.0,
 ) -> tuple[Array, Array]:
     """Image (h, w, channels) of a source map in which pieces fade into each other over about :data:`RADIUS` pixels.
 
-    Pixels farther than that from a seam are the exemplar's own. Known pixels (negative source) are 0. The second array
-    (2, h, w, channels) are the pieces' own differences to the pixels below and to the right, faded in the same way; it
-    is empty if no ``differences`` are wanted.
+    The less the more they differ, see :attr:`Contrast.sharpness`. Pixels farther than that from a seam are the
+    exemplar's own. Known pixels (negative source) are 0. The second array (2, h, w, channels) are the pieces' own
+    differences to the pixels below and to the right, faded in the same way; it is empty if no ``differences`` are
+    wanted.
     """
     place = np.arange(-RADIUS, RADIUS + 1) / RADIUS
     line = np.exp(-2 * place**2)
@@ -180,10 +192,10 @@ def fade_seams(
     image = np.empty((*source.shape[:2], channels), np.float32)
     steps = np.empty((2 * differences, *image.shape), np.float32)
     lines, step_lines = image.reshape(len(image), -1), steps.reshape(len(steps), len(image), image.shape[1] * channels)
-    seams = seam_pixels(source, work)
+    seams, sharp = seam_pixels(source, work), np.float32(sharpness)
 
     def band(first: int, stop: int) -> None:
-        seam_kernels.fade_seams(colours, usable, source, seams, falloff, lines, step_lines, first, stop)
+        seam_kernels.fade_seams(colours, usable, source, seams, falloff, sharp, lines, step_lines, first, stop)
 
     for_rows(band, source.shape[0], source.shape[1] * falloff.size * (3 + channels) / 5, work)
     return image, steps

@@ -47,14 +47,16 @@ class Shown:
         points = self.source[np.ix_(self.rows[band], self.columns)].reshape(-1, 6)
         return self._look(points, offsets).reshape(-1, len(self.columns), self.channels)
 
-    def faded(self, chosen: Flags, band: slice) -> tuple[Array, Array]:
+    def faded(self, chosen: Flags, band: slice, sharpness: float) -> tuple[Array, Array]:
         """Mean (n, c) of the pieces around, each continued up to the pixels that are ``chosen`` in a band of rows.
 
+        What differs from a pixel's own piece counts (1 - ``sharpness`` * squared difference)^2, down to nothing.
         And the means (2, n, c) of their differences to the pixels below and to the right, 0 where no piece goes on.
         """
         y, x = np.nonzero(chosen[band])
         values, steps = np.zeros((len(y), self.channels)), np.zeros((2, len(y), self.channels))
         totals = np.zeros((3, len(y), 1))
+        own, owned = np.zeros((len(y), self.channels), np.float32), np.zeros((len(y), 1), bool)
         offset = [self.down[band][y], self.right[x]]
         place, parent = np.unique(self.rows[band][y] * self.source.shape[1] + self.columns[x], return_inverse=True)
         rows, columns = np.divmod(place, self.source.shape[1])
@@ -71,6 +73,11 @@ class Shown:
                 continue
             weight = (weights[mine] * (around.first[parent[mine]] == number)).sum(axis=1, keepdims=True)
             shown = self._look(points, moved)
+            if number == 0:
+                own[mine], owned[mine] = shown, True
+            elif sharpness > 0:
+                apart = ((shown - own[mine]) ** 2).sum(axis=1, keepdims=True)
+                weight *= np.where(owned[mine], np.maximum(0, 1 - sharpness * apart), 1) ** 2
             values[mine] += weight * shown
             totals[2, mine] += weight
             for axis in (0, 1):

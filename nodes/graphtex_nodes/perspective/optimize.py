@@ -136,8 +136,8 @@ def optimize(
     vote
         What becomes of the last search. ``blend`` takes for each pixel the source that most windows agree on, lets
         large pieces take over the scraps between them along minimum cuts, and pieces fade into each other over five
-        pixels and their colours over about sixteen (not where outlines are torn; heights always, other maps never).
-        ``discrete`` leaves the fading out: the source map replays exactly. ``mean`` is the paper's weighted mean.
+        pixels and their colours over about sixteen (not where outlines are torn; heights always, other maps never),
+        both less in elements with outlines. ``discrete`` leaves that out, to replay exactly; ``mean`` is the paper's.
     levels, windows
         By themselves: as many levels as leave 16 pixels of the exemplar's smaller side, less where a period would no
         longer be seen, where pixels are related over short distances only and for small cells of a lattice, and down to

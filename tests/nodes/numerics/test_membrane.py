@@ -84,12 +84,12 @@ def test_nothing_to_join(known):
     np.testing.assert_array_equal(solved(image, hole_in((4, 4), ~known), image), image)
 
 
-def levelled(image, steps, wrap=(False, False), variance=1e9, threads=1, bends=None):
+def levelled(image, steps, wrap=(False, False), variance=1e9, threads=1, bends=None, reach=16):
     image = image.copy()
     bends = np.array([1] * image.shape[2] if bends is None else bends, np.uint8)
     limits = np.full(image.shape[2], -9, np.float32), np.full(image.shape[2], 9, np.float32)
     work = Context(threads=threads)
-    membrane.level(image, membrane.missing(image, steps, variance, bends, wrap, work), limits, wrap, work)
+    membrane.level(image, membrane.missing(image, steps, variance, bends, wrap, work), limits, reach, wrap, work)
     return image
 
 
@@ -105,7 +105,7 @@ def test_levelling_against_dense_solution(wrap, shape):
     image = RNG.random((*shape, 2)).astype(np.float32)
     steps = RNG.normal(size=(2, *shape, 2)).astype(np.float32)
     number = np.arange(image[..., 0].size).reshape(shape)
-    matrix = np.eye(number.size) * membrane.MUTUAL_SCREEN
+    matrix = np.eye(number.size) / 16**2
     right_side = np.zeros((number.size, 2))
     for axis in (0, 1):
         for place in np.ndindex(shape):
@@ -135,6 +135,15 @@ def test_a_step_between_pieces_becomes_a_slope():
     assert np.abs(np.diff(columns)).max() < 0.01
     assert columns[-1] - columns[0] > 0.15
     np.testing.assert_allclose(columns[39:41].mean(), 0.1, atol=1e-3)
+
+
+@pytest.mark.parametrize("reach", [4, 8, 16])
+def test_a_correction_fades_as_far_as_it_reaches(reach):
+    """Beside a step in one direction it is (1 + s) ** -distance with s = about 1 / reach."""
+    image = np.zeros((3, 120, 1), np.float32)
+    image[:, 60:] = 0.2
+    row = levelled(image, np.zeros((2, *image.shape), np.float32), reach=reach)[1, :, 0]
+    assert row[59 - reach] / row[59] == pytest.approx(np.exp(-1), rel=0.02)
 
 
 def test_a_torn_outline_stays():
@@ -171,7 +180,7 @@ def test_levelled_values_stay_within_limits():
     steps = np.zeros((2, 6, 30, 1), np.float32)
     steps[1, :, 14] = 0.7
     lack = membrane.missing(image, steps, 1e9, np.ones(image.shape[2], np.uint8), (False, False), Context())
-    membrane.level(image, lack, limits, (False, False), Context())
+    membrane.level(image, lack, limits, 16, (False, False), Context())
     assert image.min() == 0
     assert image.max() == 0.5
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from graphtex_nodes.numerics import seam_kernels, seam_neighbours
-from graphtex_nodes.numerics.seam_neighbours import OFFSETS, around, near_seams
+from graphtex_nodes.numerics.seam_neighbours import OFFSETS, Contrast, around, near_seams
 from graphtex_nodes.numerics.sources import source_map
 
 ALL = np.ones((9, 9), bool)
@@ -65,6 +65,13 @@ def test_maps_that_wrap_around_go_on_over_their_borders():
     border = around(moved, ALL, np.array([4]), np.array([8]), (False, True))
     np.testing.assert_array_equal(inner.points, border.points)
     np.testing.assert_array_equal(inner.first, border.first)
+
+
+def test_elements_meet_more_sharply_than_grain():
+    grain, elements = Contrast(0.5, 0.0), Contrast(0.5, 1.0)
+    assert (grain.sharpness, elements.sharpness) == (0, 1)
+    assert (grain.reach, elements.reach) == (16, 8)
+    assert np.isfinite(np.float32(Contrast(0.0, 1.0).sharpness))
 
 
 def test_small_maps():

@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from graphtex import Context
 from graphtex_nodes.numerics.recut import Costs
@@ -68,6 +69,18 @@ def test_fading_mixes_near_the_seam_only():
     share = ((image[:, 9] - left) * (right - left)).sum() / ((right - left) ** 2).sum()
     np.testing.assert_allclose(image[:, 9], left + share * (right - left), atol=1e-5)
     assert 0.2 < share < 0.5
+
+
+def test_pieces_that_differ_meet_sharply():
+    """A difference of 1 leaves nothing of the other piece's weight, one of 0.1 nearly all."""
+    exemplar = np.zeros((12, 60, 1), np.float32)
+    exemplar[:6, 30:], exemplar[6:, 30:] = 1, 0.1
+    image, _ = fade_seams(exemplar, USABLE, two_pieces(10), channels=1, work=Context(), sharpness=4)
+    smooth, _ = fade_seams(exemplar, USABLE, two_pieces(10), channels=1, work=Context())
+    share = float(smooth[3, 9, 0])
+    np.testing.assert_array_equal(image[:6, :, 0], exemplar[:6, two_pieces(10)[0, :, 1], 0])
+    left = 0.96**2 * share / (1 - share + 0.96**2 * share)
+    assert image[9, 9, 0] == pytest.approx(0.1 * left, rel=1e-4)
 
 
 def test_fading_leaves_out_what_cannot_be_continued():

@@ -3,7 +3,7 @@ import pytest
 
 from graphtex_nodes.image.exemplars.sample import sample
 from graphtex_nodes.numerics.levels import FEW, Stage, automatic_levels, eased, fitting, most_levels, rim, stages
-from graphtex_nodes.numerics.structure import grain, outlined, structure
+from graphtex_nodes.numerics.structure import grain, outlined, outlines, structure
 
 NOISE = np.random.default_rng(0).random((128, 128, 1)).astype(np.float32)
 
@@ -128,3 +128,31 @@ def test_rims_are_wider_in_grain():
     assert [rim(window, None, 0.0) for window in (16, 8, 6, 1)] == [4, 2, 1, 0]
     assert [rim(window, None, 1.0) for window in (16, 8, 6, 1)] == [6, 3, 2, 0]
     assert rim(8, np.ones((20, 20), bool), 1.0) == 0
+
+
+def test_noise_does_not_hide_outlines_from_squares():
+    """Paving with noise of single pixels: neighbours differ by noise, squares of them by what they belong to."""
+    noisy = chequers(64) + 0.8 * NOISE
+    assert outlined(noisy) < 0.1
+    assert outlines([noisy]) == 1
+    assert outlines([NOISE]) == 0
+
+
+def test_outlines_of_pictures_together():
+    """The same for mirror images, for larger pictures, and for parts below each other with nothing between them."""
+    blurred = np.kron(np.random.default_rng(4).random((31, 33)), np.ones((3, 3)))[..., None].astype(np.float32) ** 5
+    share = outlines([blurred])
+    assert 0 < share < 1
+    assert outlines([blurred[:, ::-1]]) == pytest.approx(share, abs=1e-12)
+    assert outlines([blurred, blurred]) == pytest.approx(share, abs=1e-12)
+    assert outlines([blurred.repeat(4, 0).repeat(4, 1)], size=4) == pytest.approx(share, abs=1e-5)
+    sheet = np.concatenate([blurred, np.full((9, 99, 1), 7, np.float32), blurred])
+    assert outlines([sheet], sheet[..., 0] != 7) == pytest.approx(share, abs=1e-12)
+    assert outlines([sheet]) != pytest.approx(share, abs=0.01)
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 3), (1, 9, 1), (2, 3, 1), (3, 2, 1)])
+def test_pictures_too_small_for_outlines(shape):
+    assert outlines([np.ones(shape, np.float32)]) == 0
+    assert outlines([np.ones(shape, np.float32)], np.ones(shape[:2], bool)) == 0
+    assert outlines([np.ones(shape, np.float32)], size=4) == 0

@@ -15,6 +15,8 @@ SLOPES = np.stack([np.sin(ROW / 3), np.cos(COLUMN / 4), np.full(ROW.shape, 1.5)]
 NORMALS = ((SLOPES / np.linalg.norm(SLOPES, axis=2, keepdims=True) + 1) / 2).astype(np.float32)
 STACK = stack_maps([NOISE, NORMALS, NOISE[..., :1]], kinds=KINDS)
 SCALE = np.repeat(np.linspace(0.5, 2, 40, dtype=np.float32)[:, None], 44, axis=1)
+STONES = np.kron((NOISE[::10, ::11, :1] > 0.7) * NOISE[::10, ::11], np.ones((10, 11, 1))).astype(np.float32)
+"""Elements with outlines: where they differ, they meet sharply."""
 LEVEL = np.zeros((70, 60), np.float32)
 
 
@@ -43,13 +45,14 @@ def test_discrete_vote_replays_to_the_bit(options):
 
 
 @pytest.mark.parametrize("options", [{}, {"mirror": True}, {"tileable": "both"}, {"tileable": "x", "mirror": True}])
-def test_blended_vote_replays_but_for_rounding(options):
-    made = synthesis(STACK, kinds=KINDS, **options)
+@pytest.mark.parametrize(("picture", "kinds"), [(STACK, KINDS), (STONES, [])], ids=["grain", "elements"])
+def test_blended_vote_replays_but_for_rounding(picture, kinds, options):
+    made = synthesis(picture, kinds=kinds, **options)
     sides = options.get("tileable", "none")
-    again = replay(made.source, [STACK], vote="blend", kinds=KINDS, tileable=sides, ctx=QUIET)
+    again = replay(made.source, [picture], vote="blend", kinds=kinds, tileable=sides, ctx=QUIET)
     error = np.abs(again - made.image).max(axis=2)
     assert np.quantile(error, 0.97) < 1e-5  # a copy's own border is known to the synthesis alone
-    assert (made.image != replay(made.source, [STACK], kinds=KINDS, ctx=QUIET)).any()
+    assert (made.image != replay(made.source, [picture], kinds=kinds, ctx=QUIET)).any()
 
 
 @pytest.mark.parametrize(
