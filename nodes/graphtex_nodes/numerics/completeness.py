@@ -55,7 +55,7 @@ def completed(
     may = np.ones(places.shape, bool) if allowed is None else allowed[::step, ::step]
     least = ENOUGH * np.count_nonzero(may)
     scale = float(own[may].var(axis=0, dtype=np.float64).sum())
-    field, seen = field.copy(), windows[inside][..., :SEEN].astype(np.float64)
+    field, seen = field.copy(), windows[inside][..., :SEEN].copy()
     output = field[inside]
     side = min(min(places.shape) // PARTS, *output.shape[:2])
     tried = ~may
@@ -72,7 +72,7 @@ def completed(
             break
         tried[part] = True
         times = counts[chosen]
-        row, column = _best_place(seen, own[part], may[part], LOST * scale / times)
+        row, column = _best_place(seen, own[part], may[part], (LOST * scale / times).astype(np.float32))
         there = slice(row, row + side), slice(column, column + side)
         if np.count_nonzero(times[there] == 1) >= lacks[top, left]:
             break
@@ -89,15 +89,18 @@ def _squares(shape: tuple[int, int], side: int) -> Homes:
     return numbers
 
 
-def _best_place(windows: NDArray[np.float64], part: Array, may: Flags, more: NDArray[np.float64]) -> tuple[int, int]:
+def _best_place(windows: Array, part: Array, may: Flags, more: Array) -> tuple[int, int]:
     """Row and column at which a part (n, n, k), where it ``may`` be shown, differs least from windows (h, w, k).
 
     Besides, each of these costs ``more`` (h, w).
     """
-    from scipy.signal import fftconvolve
+    from scipy.fft import irfft2, next_fast_len, rfft2
 
     layers = np.concatenate([windows, ((windows**2).sum(axis=2) + more)[..., None]], axis=2)
-    pattern = np.concatenate([-2 * part, np.ones((*may.shape, 1))], axis=2) * may[..., None]
-    cost = fftconvolve(layers, pattern[::-1, ::-1], "valid", axes=(0, 1)).sum(axis=2)
+    pattern = np.concatenate([-2 * part, np.ones((*may.shape, 1), np.float32)], axis=2) * may[..., None]
+    padded = [next_fast_len(side, real=True) for side in more.shape]
+    spectra = [rfft2(np.moveaxis(each, 2, 0), padded) for each in (layers, pattern)]
+    rows, columns = (side - own + 1 for side, own in zip(more.shape, may.shape, strict=True))
+    cost = irfft2((spectra[0] * spectra[1].conj()).sum(axis=0), padded)[:rows, :columns]
     row, column = np.unravel_index(int(cost.argmin()), cost.shape)
     return int(row), int(column)

@@ -52,8 +52,8 @@ def test_a_part_is_put_where_it_fits():
 
 
 def test_the_best_place_is_that_of_all_tried_in_turn():
-    windows, part = RNG.normal(size=(11, 9, 2)), RNG.normal(size=(4, 4, 2))
-    more, may = RNG.random((11, 9)), RNG.random((4, 4)) < 0.7
+    windows, part = (RNG.normal(size=size).astype(np.float32) for size in ((11, 9, 2), (4, 4, 2)))
+    more, may = RNG.random((11, 9), np.float32), RNG.random((4, 4)) < 0.7
     costs = np.array(
         [
             [
