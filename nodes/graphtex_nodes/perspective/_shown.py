@@ -56,13 +56,14 @@ class Shown:
         y, x = np.nonzero(chosen[band])
         values, steps = np.zeros((len(y), self.channels)), np.zeros((2, len(y), self.channels))
         totals = np.zeros((3, len(y), 1))
-        own, owned = np.zeros((len(y), self.channels), np.float32), np.zeros((len(y), 1), bool)
         offset = [self.down[band][y], self.right[x]]
         place, parent = np.unique(self.rows[band][y] * self.source.shape[1] + self.columns[x], return_inverse=True)
         rows, columns = np.divmod(place, self.source.shape[1])
         around = seam_neighbours.around(self.source, self.free, rows, columns, self.wrap)
         apart = [part[:, None] - seam_neighbours.OFFSETS[:, axis] for axis, part in enumerate(offset)]
         weights = np.exp(-2 * (apart[0] ** 2 + apart[1] ** 2) / seam_neighbours.RADIUS**2)
+        if sharpness > 0:
+            own, owned = self._own(around, parent, weights, offset)
         for number in range(len(seam_neighbours.OFFSETS)):
             mine = np.flatnonzero(around.first[parent, number] == number)
             points, moved = around.points[parent[mine], number], [part[mine] for part in offset]
@@ -73,11 +74,9 @@ class Shown:
                 continue
             weight = (weights[mine] * (around.first[parent[mine]] == number)).sum(axis=1, keepdims=True)
             shown = self._look(points, moved)
-            if number == 0:
-                own[mine], owned[mine] = shown, True
-            elif sharpness > 0:
-                apart = ((shown - own[mine]) ** 2).sum(axis=1, keepdims=True)
-                weight *= np.where(owned[mine], np.maximum(0, 1 - sharpness * apart), 1) ** 2
+            if sharpness > 0:
+                squared = ((shown - own[mine]) ** 2).sum(axis=1, keepdims=True)
+                weight *= np.where(owned[mine], np.maximum(0, 1 - sharpness * squared), 1) ** 2
             values[mine] += weight * shown
             totals[2, mine] += weight
             for axis in (0, 1):
@@ -89,6 +88,22 @@ class Shown:
         values /= totals[2]
         steps /= np.where(totals[:2] > 0, totals[:2], 1)
         return values.astype(np.float32), steps.astype(np.float32)
+
+    def _own(
+        self, around: seam_neighbours.Around, parent: Array, weights: Array, offset: list[Array]
+    ) -> tuple[Array, Array]:
+        """Values (n, c) of the pieces that pixels belong to, and whether (n, 1) there is one that shows.
+
+        A pixel of a larger map belongs to the piece of which the source map has most near it, by the squares of
+        ``weights`` (n, 25): borders between pieces that do not fade then have no steps as wide as the map's pixels.
+        """
+        number = np.zeros(len(parent), np.intp)
+        if self.factor != 1:
+            first, share = around.first[parent], weights**2
+            number = np.argmax([(share * (first == each)).sum(axis=1) for each in range(share.shape[1])], axis=0)
+            number[~self._inside(around.points[parent, number], offset)] = 0
+        there = around.first[parent, number] == number
+        return self._look(around.points[parent, number], offset), there[:, None]
 
     def _inside(self, points: Array, offset: list[Array]) -> Flags:
         """Whether pieces go on at an offset from points (n, 6) of the source map."""

@@ -85,6 +85,19 @@ def test_larger_blended_maps_are_levelled_as_the_synthesis():
     assert np.abs(means - made.image).mean() < 0.3 * np.abs(discrete - made.image).mean()
 
 
+def test_borders_in_larger_maps_have_no_wide_steps():
+    """A white piece and a black one part along a diagonal, in steps of four pixels where they are merely copied."""
+    halves = np.zeros((96, 240, 1), np.float32)
+    halves[:, 120:] = 1
+    source = np.zeros((20, 20, 6), np.float32)
+    row, column = np.mgrid[:20, :20]
+    source[..., 1], source[..., 2] = row, column + 30 * (column > row)
+    for vote, wide in (("discrete", 3), ("blend", 1)):
+        image = replay(source, [halves], factor=4, vote=vote)[12:68, :, 0]
+        assert np.minimum(np.abs(image), np.abs(image - 1)).max() < 1e-3
+        assert np.ptp((image > 0.5).argmax(axis=1) - np.arange(len(image))) == wide
+
+
 def test_two_maps_from_one_guide():
     """A synthesis of the colours alone serves the normals; together they are what a synthesis of the stack gives."""
     colours = synthesis(vote="discrete")
