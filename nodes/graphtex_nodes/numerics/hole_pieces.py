@@ -13,6 +13,7 @@ from graphtex_nodes.numerics.move_search import Fit, Level, anchors, fits, laid_
 from graphtex_nodes.numerics.parallel import Work, for_each
 from graphtex_nodes.numerics.plane_moves import Move, Slope, Views
 from graphtex_nodes.numerics.pyramid import masked_pyramid
+from graphtex_nodes.numerics.strangeness import Strangeness
 
 Array = NDArray[Any]
 
@@ -108,20 +109,23 @@ def fill(levels: Sequence[Level], found: Sequence[Fit], searched: int, bends: Ar
     :func:`materials.bending`.
     """
     labels = np.full(levels[-1].hole.shape, -1)
+    moves = [fit.move.halved(len(levels) - 1 - searched) for fit in found]
+    strange = Strangeness.of(levels[-1], moves, _spread(levels[-1]), work)
     for number in range(len(levels) - 1, -1, -1):
         level = levels[number]
         views = Views.of(level.picture, level.usable)
         if number < len(levels) - 1:
             labels = labels.repeat(2, axis=0).repeat(2, axis=1)[: level.hole.shape[0], : level.hole.shape[1]]
             labels[~level.region] = -1
+            strange = strange.finer()
             if number < max(1, searched):
                 used, at = np.unique(labels[labels >= 0], return_inverse=True)
                 labels[labels >= 0] = at
-                found = [found[label] for label in used]
+                found, strange = [found[label] for label in used], strange.of_moves(used)
         if number < searched:
             found = _finer_fits(found, level, views, work)
         here = [replace(fit, move=fit.move.halved(max(0, number - searched))) for fit in found]
-        labels = _cut(level, views, here, labels, number < searched, work)
+        labels = _cut(level, views, here, labels, None if number < searched else strange, work)
         work.progress(1 - number / len(levels), "cutting pieces")
     return _painted(levels[0], views, [fit.move for fit in here], labels, bends, work)
 
@@ -147,8 +151,7 @@ def _finer(fit: Fit, level: Level, region: Array, views: Views) -> Fit:
     rows, columns = rows[::stride], columns[::stride]
     wanted = level.picture[rows, columns]
     middle = fit.move.halved(-1)
-    best = np.inf
-    chosen = middle
+    best, chosen = np.inf, middle
     for down in (0, -1, 1):
         for right in (0, -1, 1):
             move = Move(middle.slope, middle.down + down, middle.right + right)
@@ -159,12 +162,14 @@ def _finer(fit: Fit, level: Level, region: Array, views: Views) -> Fit:
     return replace(fit, move=chosen, row=row, column=column, radius=radius)
 
 
-def _cut(level: Level, views: Views, found: Sequence[Fit], labels: Array, settled: bool, work: Work) -> Array:
-    """Labels (h, w) of the moves in the region of a level; where they are ``settled``, seams move a little."""
+def _cut(
+    level: Level, views: Views, found: Sequence[Fit], labels: Array, strange: Strangeness | None, work: Work
+) -> Array:
+    """Labels (h, w) of the moves in the region of a level; where nothing is ``strange``, seams move only a little."""
     from graphtex_nodes.numerics.join_kernels import join_costs
 
     region = free = level.region
-    if settled:
+    if strange is None:
         from scipy.ndimage import binary_dilation
 
         seams = np.zeros(labels.shape, bool)
@@ -187,6 +192,7 @@ def _cut(level: Level, views: Views, found: Sequence[Fit], labels: Array, settle
         copies[number], usable, enlarged = views.moved(fit.move, rows, columns)
         wrong = _length(copies[number] - shown) / spread
         poor = BLUR * np.log2(np.maximum(enlarged, 1)) + UNLIKE * fit.distortion
+        poor += 0 if strange is None else strange.at(number, rows, columns)
         unary[number] = np.where(within, np.where(usable, poor, NONE), np.where(usable, wrong, LACKING))
         unary[number] += np.where(loose | (given == number), 0, 10 * NONE)
 
@@ -281,8 +287,7 @@ def _spread(level: Level) -> float:
 
 def _length(vectors: Array) -> Array:
     """Euclidean lengths over the last axis."""
-    result: Array = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
-    return result
+    return np.asarray(np.sqrt(np.einsum("...i,...i->...", vectors, vectors)))
 
 
 def _neighbours(number: Array) -> tuple[Array, Array]:

@@ -65,8 +65,9 @@ def complete(
     linear in the picture, points (x / S, y / S) differ from those of the plane by an affine map only, so that adding a
     constant to them moves texture to where it belongs, at its right size and with its right convergence. Moves that fit
     what is known along the hole's border are found by Fourier transforms, plain shifts that keep the scale among them;
-    a minimum cut chooses which of them fills which pixel, and gradients are joined. Order over larger distances
-    (courses of bricks, weaves) survives, which windows break. What no move reaches is filled by windows.
+    a minimum cut chooses which of them fills which pixel, rather with what looks like the surroundings near by than
+    with lone objects, and gradients are joined. Order over larger distances (courses of bricks, weaves) survives, which
+    windows break. What no move reaches is filled by windows.
 
     Parameters
     ----------
