@@ -25,6 +25,7 @@ ROUNDS = 2
 NEAR_HORIZON = 0.02  # how much a plane's deviation counts more, the nearer its horizon comes to the picture
 STEEPEST = 0.95  # loss of scale from the middle to the far corner
 WORTH = 0.05  # of the deviation, that a plane saves which is more than chance
+OUT_OF_REACH = 1 / 3  # of what a plane must save; finer searches make up for more
 TELLING = 0.02  # standard deviation of log scale between windows; less is rounding
 SHIFTS = np.linspace(-0.9, 0.9, 37)  # of log scale, tried for each window
 
@@ -49,10 +50,11 @@ class _Fit:
     scale: Array
 
 
-def picture_recession(image: Array, usable: Array | None, work: Work) -> Recession | None:
+def picture_recession(image: Array, usable: Array | None, work: Work, least: float = 0.0) -> Recession | None:
     """How the plane recedes that a picture (h, w, c) of at least :data:`SHORTEST` pixels a side shows where ``usable``.
 
-    None if too little is usable; no recession where there is no contrast.
+    The search ends early, with no recession, where a confidence of ``least`` is far out of reach. None if too little is
+    usable; no recession where there is no contrast.
     """
     factor = -(-min(image.shape[:2]) // LARGEST)
     colours = principal_channels(_reduced(image, factor), FAINTEST)
@@ -62,7 +64,7 @@ def picture_recession(image: Array, usable: Array | None, work: Work) -> Recessi
     # a few very bright or dark elements would be most of the power; what acts on single values keeps sizes
     soft = np.tanh(2 * colours / colours.std(axis=(1, 2), keepdims=True))
     soft = soft - soft.mean(axis=(1, 2), keepdims=True)
-    found = receding_plane(soft / soft.std(axis=(1, 2), keepdims=True), seen, work)
+    found = receding_plane(soft / soft.std(axis=(1, 2), keepdims=True), seen, work, least)
     return found and Recession(found.right / factor, found.down / factor, found.confidence)
 
 
@@ -74,7 +76,7 @@ def _reduced(values: Array, factor: int) -> Array:
     return means
 
 
-def receding_plane(channels: Array, usable: Array | None, work: Work) -> Recession | None:
+def receding_plane(channels: Array, usable: Array | None, work: Work, least: float = 0.0) -> Recession | None:
     """Find the plane on which local spectra are most alike; None if fewer than six windows can be compared.
 
     A texture that is homogeneous on a plane has one spectrum P there, whatever it is; at a place of the picture where
@@ -125,6 +127,8 @@ def receding_plane(channels: Array, usable: Array | None, work: Work) -> Recessi
         spectra = found
         if turn == 0:
             best = min(_starts(), key=cost)
+            if 1 - cost(best) / cost(np.zeros(2)) < OUT_OF_REACH * least * WORTH:
+                return Recession(0.0, 0.0, 0.0)
         simplex = best + np.array([[0, 0], [0.06, 0], [0, 0.06]])
         best = minimize(
             cost, best, method="Nelder-Mead", options={"initial_simplex": simplex, "xatol": 3e-3, "fatol": 1e-5}

@@ -35,7 +35,7 @@ def measured_scale(photo: Array, hole: Array, harmonic: bool, work: Work) -> Arr
     """
     found = None
     if not harmonic and min(hole.shape) >= SHORTEST:
-        found = picture_recession(photo, ~hole, work)
+        found = picture_recession(photo, ~hole, work, DOUBTFUL)
     if found is not None:
         if found.confidence < DOUBTFUL:
             return np.ones(hole.shape, np.float32)
