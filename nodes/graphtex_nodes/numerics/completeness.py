@@ -1,9 +1,11 @@
 """Completeness: parts of an exemplar that an output lacks are put where they fit best."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
-from graphtex_nodes.numerics.evenness import Homes
+from graphtex_nodes.numerics.evenness import Homes, squares
 from graphtex_nodes.numerics.frames import window_counts
 
 Array = NDArray[np.float32]
@@ -24,8 +26,8 @@ SEEN = 8
 
 
 def completed(
-    field: Field, windows: Array, features: Array, *, step: int, inside: tuple[slice, slice], allowed: Flags | None,
-    homes: Homes | None = None,
+    field: Field, look: Callable[[], Array], features: Array, *, step: int, inside: tuple[slice, slice],
+    allowed: Flags | None, homes: Homes | None = None,
 ) -> Field:  # fmt: skip
     """Sources (rows, columns, 2) of an output that show most of the exemplar, as Kaspar et al. (2015) ask for.
 
@@ -39,8 +41,10 @@ def completed(
     ----------
     field
         Sources of the output's windows.
-    windows, features
-        Coordinates of the output's windows (rows, columns, k) and of the exemplar's (h, w, k), the main ones first.
+    look
+        What gives the coordinates of the output's windows (rows, columns, k); only called if something is lacking.
+    features
+        Coordinates of the exemplar's windows (h, w, k), the main ones first.
     step
         Distance of neighbouring windows of the output in pixels.
     inside
@@ -50,13 +54,14 @@ def completed(
     homes
         Number of the place that each of them shows (h, w); None = each shows another.
     """
-    numbers = _squares(features.shape[:2], step) if homes is None else homes
+    numbers = squares((features.shape[0], features.shape[1]), step) if homes is None else homes
     own, places = features[::step, ::step, :SEEN], numbers[::step, ::step]
     may = np.ones(places.shape, bool) if allowed is None else allowed[::step, ::step]
     least = ENOUGH * np.count_nonzero(may)
     scale = float(own[may].var(axis=0, dtype=np.float64).sum())
-    field, seen = field.copy(), windows[inside][..., :SEEN].copy()
+    field = field.copy()
     output = field[inside]
+    seen: Array | None = None
     side = min(min(places.shape) // PARTS, *output.shape[:2])
     tried = ~may
     while side > 1 and scale > 0:
@@ -72,6 +77,7 @@ def completed(
             break
         tried[part] = True
         times = counts[chosen]
+        seen = look()[inside][..., :SEEN].copy() if seen is None else seen
         row, column = _best_place(seen, own[part], may[part], (LOST * scale / times).astype(np.float32))
         there = slice(row, row + side), slice(column, column + side)
         if np.count_nonzero(times[there] == 1) >= lacks[top, left]:
@@ -80,13 +86,6 @@ def completed(
         output[there][put] = (np.argwhere(put) + np.array([top, left])) * step
         seen[there][put] = own[part][put]
     return field
-
-
-def _squares(shape: tuple[int, int], side: int) -> Homes:
-    """Number of the square of this side in which each of h x w windows lies."""
-    rows, columns = (np.arange(count) // side for count in shape)
-    numbers: Homes = rows[:, None] * (columns[-1] + 1) + columns
-    return numbers
 
 
 def _best_place(windows: Array, part: Array, may: Flags, more: Array) -> tuple[int, int]:

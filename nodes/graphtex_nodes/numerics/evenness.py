@@ -47,9 +47,15 @@ def places(features: Array, share: Array, *, evenness: float, step: int, allowed
     if evenness <= 0 or _count(share, allowed) > MOST_PLACES:
         return None
     may = np.ones(share.shape, bool) if allowed is None else allowed
-    rows, columns = np.nonzero(may)
-    cells = np.unique(rows // step * share.shape[1] + columns // step, return_inverse=True)[1]
+    cells = np.unique(squares((share.shape[0], share.shape[1]), step)[may], return_inverse=True)[1]
     return market(features[may], share[may], cells)
+
+
+def squares(shape: tuple[int, int], side: int) -> Homes:
+    """Number of the square of this side in which each of h x w windows lies."""
+    rows, columns = (np.arange(count) // side for count in shape)
+    numbers: Homes = rows[:, None] * (columns[-1] + 1) + columns
+    return numbers
 
 
 def crowded(share: Array, *, evenness: float, allowed: Flags | None) -> bool:

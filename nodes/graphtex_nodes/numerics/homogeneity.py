@@ -10,6 +10,7 @@ from graphtex_nodes.numerics.local_spectra import LocalSpectra, local_spectra, t
 from graphtex_nodes.numerics.parallel import Work
 from graphtex_nodes.numerics.plane import Plane
 from graphtex_nodes.numerics.principal import principal_channels
+from graphtex_nodes.numerics.window_mean import block_mean
 
 Array = NDArray[Any]
 
@@ -57,23 +58,15 @@ def picture_recession(image: Array, usable: Array | None, work: Work, least: flo
     usable; no recession where there is no contrast.
     """
     factor = -(-min(image.shape[:2]) // LARGEST)
-    colours = principal_channels(_reduced(image, factor), FAINTEST)
+    colours = principal_channels(block_mean(image, factor, np.float64), FAINTEST)
     if colours[0].std() < 1e-6:
         return Recession(0.0, 0.0, 0.0)
-    seen = None if usable is None else _reduced(usable[..., None].astype(np.float64), factor)[..., 0] > 0.5
+    seen = None if usable is None else block_mean(usable[..., None], factor, np.float64)[..., 0] > 0.5
     # a few very bright or dark elements would be most of the power; what acts on single values keeps sizes
     soft = np.tanh(2 * colours / colours.std(axis=(1, 2), keepdims=True))
     soft = soft - soft.mean(axis=(1, 2), keepdims=True)
     found = receding_plane(soft / soft.std(axis=(1, 2), keepdims=True), seen, work, least)
     return found and Recession(found.right / factor, found.down / factor, found.confidence)
-
-
-def _reduced(values: Array, factor: int) -> Array:
-    """Means of factor x factor pixels; what is left over at the right and the bottom is not used."""
-    height, width = (side // factor for side in values.shape[:2])
-    parts = values[: height * factor, : width * factor].reshape(height, factor, width, factor, -1)
-    means: Array = parts.mean(axis=(1, 3), dtype=np.float64)
-    return means
 
 
 def receding_plane(channels: Array, usable: Array | None, work: Work, least: float = 0.0) -> Recession | None:
@@ -126,8 +119,10 @@ def receding_plane(channels: Array, usable: Array | None, work: Work, least: flo
             break  # too steep a plane leaves no windows: what was found before stays
         spectra = found
         if turn == 0:
-            best = min(_starts(), key=cost)
-            if 1 - cost(best) / cost(np.zeros(2)) < OUT_OF_REACH * least * WORTH:
+            starts = _starts()
+            costs = [cost(start) for start in starts]  # of the first of them nothing recedes
+            best = starts[int(np.argmin(costs))]
+            if 1 - min(costs) / costs[0] < OUT_OF_REACH * least * WORTH:
                 return Recession(0.0, 0.0, 0.0)
         simplex = best + np.array([[0, 0], [0.06, 0], [0, 0.06]])
         best = minimize(

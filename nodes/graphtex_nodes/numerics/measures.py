@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from graphtex_nodes.numerics.window_mean import block_mean
+
 Array = NDArray[Any]
 
 SHORTEST_LINE = 32  # pixels: shorter lines across a picture's corner hold too few elements
@@ -153,7 +155,7 @@ def patch_distance(
         axes = (axes / np.linalg.norm(axes, axis=0)).astype(np.float32)
         quantiles = [_projected_quantiles(picture, axes, patch) for picture in pictures]
         total += float(np.abs(quantiles[0] - quantiles[1]).mean())
-        pictures = [_halved(picture) for picture in pictures]
+        pictures = [block_mean(picture, 2) for picture in pictures]
         if min(min(picture.shape[:2]) for picture in pictures) < patch:
             raise ValueError(f"levels: pictures are too small for {levels} levels of {patch}-pixel patches")
     return total / levels
@@ -179,10 +181,3 @@ def _projected_quantiles(picture: Array, axes: Array, patch: int) -> Array:
     flat = windows.reshape(-1, axes.shape[0])
     quantiles: Array = np.quantile(flat @ axes, np.linspace(0, 1, 257), axis=0)
     return quantiles
-
-
-def _halved(picture: Array) -> Array:
-    """Means of two by two pixels; an odd last row or column is left out."""
-    height, width = (n // 2 * 2 for n in picture.shape[:2])
-    half: Array = picture[:height, :width].reshape(height // 2, 2, width // 2, 2, -1).mean(axis=(1, 3))
-    return half

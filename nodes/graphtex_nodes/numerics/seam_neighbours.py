@@ -1,5 +1,6 @@
 """Pieces of a synthesis that meet near a pixel, told from its source map."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphtex_nodes.numerics.sources import ANGLE, COLUMN, INDEX, LOG, MIRRORED, ROW, continued
+from graphtex_nodes.numerics.structure import outlines
 
 Array = NDArray[Any]
 Flags = NDArray[np.bool_]
@@ -31,13 +33,31 @@ class Contrast:
     Attributes
     ----------
     variance
-        Sum of the variances of the channels.
+        Sum of the variances of the channels; 1 where nothing varies.
     outlines
         0 for grain, 1 for elements with outlines, see :func:`structure.outlines`.
+    limits
+        Least and largest values (c,) of the channels.
     """
 
     variance: float
     outlines: float
+    limits: tuple[Array, Array]
+
+    @staticmethod
+    def of(pictures: Sequence[Array], usable: Flags | None = None, size: int = 1) -> "Contrast":
+        """That of pictures (h, w, c) together, of which squares of ``size`` pixels a side make a pixel of a synthesis.
+
+        ``usable`` (h, w), if it is given, is that of an only picture.
+        """
+        shown = slice(None) if usable is None else usable
+        seen = [
+            np.concatenate([picture[..., channel][shown].ravel() for picture in pictures])
+            for channel in range(pictures[0].shape[2])
+        ]
+        variance = sum(float(np.var(values, dtype=np.float64)) for values in seen)
+        limits = np.array([values.min() for values in seen]), np.array([values.max() for values in seen])
+        return Contrast(variance or 1.0, outlines(pictures, usable, size), limits)
 
     @property
     def sharpness(self) -> float:

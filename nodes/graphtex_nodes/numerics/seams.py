@@ -13,7 +13,7 @@ from graphtex_nodes.numerics.problem import Problem, Result
 from graphtex_nodes.numerics.recut import Costs, recut
 from graphtex_nodes.numerics.seam_kernels import RADIUS
 from graphtex_nodes.numerics.seam_neighbours import Contrast
-from graphtex_nodes.numerics.structure import outlined, outlines
+from graphtex_nodes.numerics.structure import outlined
 
 Array = NDArray[np.float32]
 Field = NDArray[np.int32]
@@ -58,10 +58,8 @@ def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[
     """
     colours = problem.exemplar.shape[2]
     exemplar = np.ascontiguousarray(problem.channels)
-    may = problem.may
-    usable = np.ascontiguousarray(may).view(np.uint8)
-    variance = sum(float(np.var(values[may], dtype=np.float64)) for values in np.moveaxis(problem.exemplar, -1, 0))
-    variance = variance or 1.0
+    usable = np.ascontiguousarray(problem.may).view(np.uint8)
+    contrast = Contrast.of([problem.exemplar], problem.usable)
     # an output that wraps around sees the other side as far as a seam can move
     reach = [(2 * PASSES + 2 * RADIUS) * around for around in problem.wrap]
     inside = tuple(slice(more, more + side) for side, more in zip(problem.size, reach, strict=True))
@@ -74,7 +72,7 @@ def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[
     share = 0.0 if problem.guide is None else outlined(problem.exemplar, problem.usable)
     pull, join = (float(first ** (1 - share) * second**share) for first, second in (PULL, JOIN))
     pulls = np.where(np.arange(exemplar.shape[2]) < colours, pull, GUIDE_PULL).astype(np.float32)
-    costs = Costs(pulls, join * variance, BUSY * variance)
+    costs = Costs(pulls, join * contrast.variance, BUSY * contrast.variance)
     source = result.source
     if steps.cut:
         source = recut(exemplar, usable, result.image, source, costs, work, problem.wrap)
@@ -85,7 +83,6 @@ def finish(problem: Problem, result: Result, steps: Steps, work: Work) -> tuple[
     if not steps.fade:
         return _with_known(problem, problem.exemplar[source[..., 0], source[..., 1]]), source
     bent = steps.level or problem.known is not None
-    contrast = Contrast(variance, outlines([problem.exemplar], problem.usable))
     image, own = fade_seams(
         exemplar, usable, around(source), channels=colours, work=work, differences=bent, sharpness=contrast.sharpness
     )
@@ -120,10 +117,7 @@ def _bent(
     lack = membrane.missing(image, own, contrast.variance, bends, problem.wrap, work)
     if known is not None:
         return membrane.join_known(image, lack, source, problem.exemplar, problem.may, bends, problem.wrap, work)
-    may = problem.may
-    seen = [values[may] for values in np.moveaxis(problem.exemplar, -1, 0)]
-    limits = np.array([each.min() for each in seen]), np.array([each.max() for each in seen])
-    membrane.level(image, lack, limits, contrast.reach, problem.wrap, work)
+    membrane.level(image, lack, contrast.limits, contrast.reach, problem.wrap, work)
     return image
 
 

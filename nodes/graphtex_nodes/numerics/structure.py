@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from graphtex_nodes.numerics.window_mean import block_mean
+
 Array = NDArray[np.float32]
 
 LARGEST = 256
@@ -77,10 +79,7 @@ def outlines(pictures: Sequence[Array], usable: NDArray[np.bool_] | None = None,
     """
     steps = []
     for picture in pictures:
-        if size > 1:
-            rows, columns = (side // size for side in picture.shape[:2])
-            squares = picture[: rows * size, : columns * size].reshape(rows, size, columns, size, picture.shape[2])
-            picture = squares.mean(axis=(1, 3))
+        picture = block_mean(picture, size) if size > 1 else picture
         sums = picture[1:] + picture[:-1]
         whole = None if usable is None else usable[1:] & usable[:-1]
         whole = None if whole is None else whole[:, 1:] & whole[:, :-1]

@@ -218,7 +218,7 @@ def _completed(level: Level, field: Field, work: Work) -> Field:
     """Sources of a level's windows that show most of the exemplar."""
     windows, frame = level.windows, level.frame
     found = completed(
-        field, windows.basis.project(level.canvas, frame.grid.step, work), windows.features,
+        field, partial(windows.basis.project, level.canvas, frame.grid.step, work), windows.features,
         step=frame.grid.step, inside=frame.shown(), allowed=windows.allowed, homes=windows.homes,
     )  # fmt: skip
     frame.wrap_windows(found)

@@ -1,9 +1,9 @@
-"""The running mean of a map."""
+"""Means of a map over windows: running, or side by side."""
 
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 Array = NDArray[Any]
 
@@ -26,4 +26,18 @@ def window_mean(values: Array, side: int) -> Array:
         for size in (height, width)
     )
     mean: Array = total / np.outer(rows, columns)
+    return mean
+
+
+def block_mean(values: Array, side: int, dtype: DTypeLike | None = None) -> Array:
+    """Means (h // side, w // side, c) of squares of values (h, w, c); what is left over below and beside is not used.
+
+    ``dtype`` is what they are summed in, the values' own by itself.
+
+    >>> block_mean(np.arange(10.0).reshape(2, 5, 1), 2)[..., 0]
+    array([[3., 5.]])
+    """
+    rows, columns = (count // side for count in values.shape[:2])
+    squares = values[: rows * side, : columns * side].reshape(rows, side, columns, side, values.shape[2])
+    mean: Array = squares.mean(axis=(1, 3), dtype=dtype)
     return mean

@@ -110,12 +110,8 @@ def _fade(result: Array, shown: Shown, mixed: Flags, bands: list[slice], bends: 
     """Let pieces fade into each other where they are ``mixed``, and bend them to meet as ``bends`` says."""
     from graphtex_nodes.numerics import membrane
     from graphtex_nodes.numerics.seam_neighbours import Contrast
-    from graphtex_nodes.numerics.structure import outlines
 
-    seen = [np.concatenate([look.exemplar[..., c].ravel() for look in shown.looks]) for c in range(result.shape[2])]
-    variance = sum(float(np.var(values, dtype=np.float64)) for values in seen)
-    share = outlines([look.exemplar for look in shown.looks], size=max(1, round(shown.factor)))
-    contrast = Contrast(variance, share)
+    contrast = Contrast.of([look.exemplar for look in shown.looks], size=max(1, round(shown.factor)))
     beside = [mixed | np.roll(mixed, -1, axis) for axis in (0, 1)]  # there steps to a neighbour are not copies
     near = beside[0] | beside[1]
     own = np.empty((2, *result.shape), np.float32)
@@ -128,9 +124,8 @@ def _fade(result: Array, shown: Shown, mixed: Flags, bands: list[slice], bends: 
         return
     for axis, steps in enumerate(own):
         steps[~beside[axis]] = (np.roll(result, -1, axis) - result)[~beside[axis]]
-    limits = np.array([values.min() for values in seen]), np.array([values.max() for values in seen])
-    lack = membrane.missing(result, own, variance / shown.factor**2, bends, shown.wrap, ctx)
-    membrane.level(result, lack, limits, contrast.reach * shown.factor, shown.wrap, ctx)
+    lack = membrane.missing(result, own, contrast.variance / shown.factor**2, bends, shown.wrap, ctx)
+    membrane.level(result, lack, contrast.limits, contrast.reach * shown.factor, shown.wrap, ctx)
     ctx.progress(1.0, "levelling")
 
 

@@ -18,7 +18,7 @@ def put(field, features, **more):
     """The field completed, of an output that shows what its sources show."""
     windows = features[field[..., 0], field[..., 1]]
     given = {"step": 1, "inside": ALL, "allowed": None, **more}
-    return completed(field, windows, features, **given)
+    return completed(field, lambda: windows, features, **given)
 
 
 def share(field, shape):

@@ -68,10 +68,11 @@ def test_maps_that_wrap_around_go_on_over_their_borders():
 
 
 def test_elements_meet_more_sharply_than_grain():
-    grain, elements = Contrast(0.5, 0.0), Contrast(0.5, 1.0)
+    limits = np.zeros(3), np.ones(3)
+    grain, elements = (Contrast(0.5, share, limits) for share in (0.0, 1.0))
     assert (grain.sharpness, elements.sharpness) == (0, 1)
     assert (grain.reach, elements.reach) == (16, 8)
-    assert np.isfinite(np.float32(Contrast(0.0, 1.0).sharpness))
+    assert np.isfinite(np.float32(Contrast(0.0, 1.0, limits).sharpness))
 
 
 def test_small_maps():
